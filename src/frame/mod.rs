@@ -1,0 +1,44 @@
+//! # Frames
+//!
+//! Pixels in memory: formats, views with any stride, resampling, dithering. Knows what a byte of a pixel means; knows no photo
+//! file, effect or device.
+
+mod format;
+pub mod resample;
+mod view;
+
+pub use format::{PixelFormat, UnknownFormat};
+pub use view::{FrameMut, FrameRef, Layout, LayoutError};
+
+/// Width and height in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Size {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+impl Size {
+    /// A size of `width` × `height` pixels.
+    pub const fn new(width: u32, height: u32) -> Self {
+        Self { width, height }
+    }
+
+    /// The number of pixels.
+    pub const fn pixels(self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// This size turned by a quarter: width and height exchanged.
+    #[must_use]
+    pub const fn transposed(self) -> Self {
+        Self { width: self.height, height: self.width }
+    }
+}
+
+impl core::fmt::Display for Size {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "{}×{}", self.width, self.height)
+    }
+}

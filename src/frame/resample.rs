@@ -1,0 +1,1 @@
+//! Resampling of photos in linear light.

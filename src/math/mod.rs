@@ -1,0 +1,13 @@
+//! # Arithmetic
+//!
+//! The fixed-point formats of the portable core, each named once. Knows numbers; knows no pixel, noise or device.
+//! Everything is integer arithmetic, so that results are identical on every machine.
+
+pub mod random;
+mod turns;
+
+pub use turns::Turns;
+
+/// A signed factor of order one: sines, amplitudes X_A in 0..=1, frequency factors X_f in 0..=2.
+/// 28 fractional bits, so that a step is 3.7e-9, and room for the sum of a few.
+pub type Factor = fixed::types::I4F28;
