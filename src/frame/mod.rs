@@ -3,7 +3,9 @@
 //! Pixels in memory: formats, views with any stride, resampling, dithering. Knows what a byte of a pixel means; knows no photo
 //! file, effect or device.
 
+pub mod dither;
 mod format;
+pub mod pack;
 pub mod resample;
 mod view;
 
