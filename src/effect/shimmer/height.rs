@@ -41,8 +41,8 @@ fn fill_neighbourhood(planes: &mut Planes<'_>) {
     least.iter_mut().zip(&*planes.mean_shade).for_each(|(negative, &luma)| *negative = -luma);
     sliding::maximum(radius, least, suffix, running);
     for (largest, least) in largest.iter_mut().zip(least) {
-        let (max, min) = (*largest, -*least);
-        (*largest, *least) = ((max + min) / 2, (max - min) / 2);
+        let (max, min) = (i32::from(*largest), -i32::from(*least));
+        (*largest, *least) = ((max + min >> 1) as i16, (max - min >> 1) as i16);
     }
 }
 
