@@ -43,21 +43,22 @@ impl Axis {
     /// # Panics
     /// If either is zero or exceeds [`MAX_SIDE`].
     pub const fn whole(source: u32, out: u32) -> Self {
-        Self::centred(source, source as u64, 1, out)
+        Self::centred(source, (1, 1), out)
     }
 
-    /// The middle `numerator / denominator` pixels of `source`, stretched over `out` pixels. More than there are is as all of
-    /// them.
+    /// The middle `share.0 / share.1` of `source` pixels, stretched over `out` pixels; more than all is as all.
     ///
     /// # Panics
-    /// If a side is zero or exceeds [`MAX_SIDE`], the part is empty, or `numerator` exceeds 2^40.
-    pub const fn centred(source: u32, numerator: u64, denominator: u64, out: u32) -> Self {
+    /// If a side is zero or exceeds [`MAX_SIDE`], or the share is zero or not a number.
+    pub const fn centred(source: u32, share: (u64, u64), out: u32) -> Self {
         assert!(source > 0 && source <= MAX_SIDE && out > 0 && out <= MAX_SIDE);
-        assert!(denominator > 0 && numerator <= 1 << 40);
+        assert!(share.0 > 0 && share.1 > 0);
         let all = (source as u64) << POSITION_BITS;
-        let part = (numerator << (POSITION_BITS - 1)) / denominator * 2;
-        assert!(part > 0);
-        let length = if part < all { part } else { all };
+        let share = if share.0 < share.1 { share } else { (1, 1) };
+        // Even, so that what is left over is the same on both sides; at least 1/256 pixel, so that there is a part at all.
+        let part = (all as u128 * share.0 as u128 / share.1 as u128) as u64 & !1;
+        let least = 1 << (POSITION_BITS - 8);
+        let length = if part < least { least } else { part };
         Self { source, start: (all - length) / 2, length, out }
     }
 
@@ -347,7 +348,7 @@ mod tests {
 
     fn axis() -> impl Strategy<Value = Axis> {
         (1_u32..70, 1_u32..70, 1_u64..=100)
-            .prop_map(|(source, out, percent)| Axis::centred(source, u64::from(source) * percent, 100, out))
+            .prop_map(|(source, out, percent)| Axis::centred(source, (percent, 100), out))
     }
 
     proptest! {
