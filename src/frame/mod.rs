@@ -7,9 +7,12 @@ pub mod dither;
 mod format;
 pub mod pack;
 pub mod resample;
+mod rotation;
+pub mod srgb;
 mod view;
 
 pub use format::{PixelFormat, UnknownFormat};
+pub use rotation::{Rotation, UnknownRotation, rotate};
 pub use view::{FrameMut, FrameRef, Layout, LayoutError};
 
 /// Width and height in pixels.
@@ -43,4 +46,15 @@ impl core::fmt::Display for Size {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(f, "{}×{}", self.width, self.height)
     }
+}
+
+/// A rectangle of pixels within a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Rect {
+    /// Columns to the left of it.
+    pub x: u32,
+    /// Rows above it.
+    pub y: u32,
+    /// Its width and height.
+    pub size: Size,
 }

@@ -1,1 +1,3 @@
 //! # Operating system
+
+pub mod photo;
