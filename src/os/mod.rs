@@ -1,1 +1,5 @@
 //! # Operating system
+
+pub mod interrupt;
+pub mod output;
+pub mod progress;
