@@ -16,7 +16,6 @@ pub type Sample = fixed::types::I24F40;
 /// 28 fractional bits, so that a step is 3.7e-9, and room for the sum of a few.
 pub type Factor = fixed::types::I4F28;
 
-
 /// The product of two Q15 shares, rounded to the nearest: a·b / 2^15.
 ///
 /// One instruction on x86-64 (`pmulhrsw`) and ARM (`sqrdmulh`), which is why the kernels are made of it. Both factors at
@@ -24,9 +23,9 @@ pub type Factor = fixed::types::I4F28;
 #[inline(always)]
 pub const fn mul_q15(a: i16, b: i16) -> i16 {
     ((a as i32 * b as i32 + (1 << 14)) >> 15) as i16
+}
 
 /// `x` / 2^`shift`, rounded to the nearest, halves up. A leak that rounds down instead would pull a noise below zero.
 pub(crate) const fn shift_rounded(x: i64, shift: u32) -> i64 {
     (x + ((1 << shift) >> 1)) >> shift
-
 }
