@@ -52,33 +52,40 @@ impl<M: DerefMut<Target = [u8]>, S: Iterator<Item = (u64, Mishap)>> Fault<M, S> 
         &mut self.sim
     }
 
-    /// Counts a call and lets happen what is due.
+    /// Counts a call and lets happen what is due, up to the first mishap that fails the call; the others wait for the next.
     fn call(&mut self) -> Result<(), DisplayError> {
         let now = self.calls;
         self.calls += 1;
-        let mut outcome = Ok(());
+        self.stay_lost()?;
         while let Some((_, mishap)) = self.schedule.next_if(|&(at, _)| at <= now) {
-            outcome = outcome.and(self.strike(mishap));
+            self.strike(mishap)?;
         }
-        if self.lost > 0 {
-            self.lost -= 1;
-            return Err(DisplayError::Lost);
+        Ok(())
+    }
+
+    fn stay_lost(&mut self) -> Result<(), DisplayError> {
+        match self.lost.checked_sub(1) {
+            None => Ok(()),
+            Some(rest) => {
+                self.lost = rest;
+                Err(DisplayError::Lost)
+            }
         }
-        outcome
     }
 
     fn strike(&mut self, mishap: Mishap) -> Result<(), DisplayError> {
         match mishap {
             Mishap::Late(us) => self.late_us = self.late_us.saturating_add(us),
+            Mishap::Forgotten => self.sim.forget(),
             Mishap::Lost(calls) => {
-                self.lost = calls;
                 self.sim.forget();
+                self.lost = calls;
+                self.stay_lost()?;
             }
             Mishap::Mode(layout) => {
                 self.sim.set_layout(layout).map_err(|_| DisplayError::Lost)?;
                 return Err(DisplayError::ModeChanged);
             }
-            Mishap::Forgotten => self.sim.forget(),
         }
         Ok(())
     }
@@ -148,6 +155,27 @@ mod tests {
         assert_eq!(panel.present(), Err(DisplayError::Lost), "call 3");
         assert_eq!(panel.back_buffer().expect_err("call 4"), DisplayError::Lost);
         assert_eq!(panel.back_buffer().expect("call 5").age, 0);
+    }
+
+    #[test]
+    fn a_mode_that_changes_while_the_panel_is_lost_is_told_when_it_is_back() {
+        let mut panel = fault([(0, Mishap::Lost(2)), (0, Mishap::Mode(layout(3)))]);
+        assert_eq!(panel.back_buffer().expect_err("call 0"), DisplayError::Lost);
+        assert_eq!(panel.back_buffer().expect_err("call 1"), DisplayError::Lost);
+        assert_eq!(panel.mode().layout, layout(4));
+        assert_eq!(panel.back_buffer().expect_err("call 2"), DisplayError::ModeChanged);
+        assert_eq!(panel.mode().layout, layout(3));
+    }
+
+    #[test]
+    fn a_present_makes_forgotten_pixels_known_again() {
+        let mut panel = fault([(3, Mishap::Forgotten)]);
+        let mut ages = [0; 4];
+        for age in &mut ages {
+            *age = panel.back_buffer().expect("always there").age;
+            panel.present().expect("always works");
+        }
+        assert_eq!(ages, [0, 1, 1, 1]);
     }
 
     #[test]

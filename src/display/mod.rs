@@ -30,7 +30,7 @@ pub struct BackBuffer<'a> {
 /// Why a display cannot be drawn to now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DisplayError {
-    /// The panel is gone (unplugged, or another program has taken it). Ask [`Display::mode`] again later.
+    /// The panel is gone (unplugged, or another program has taken it). Try again at a later turn.
     Lost,
     /// The panel has another mode now: read [`Display::mode`] and prepare again.
     ModeChanged,
@@ -56,8 +56,8 @@ impl core::error::Error for DisplayError {}
 /// the same: after [`DisplayError::ModeChanged`] with frames of the new mode, after [`DisplayError::Lost`] when a later
 /// turn succeeds. Only [`DisplayError::Closed`] is for ever.
 pub trait Display {
-    /// What it shows at the moment. Changes only where a call has failed, so that the frames of a turn that succeeds have
-    /// the layout that this told before.
+    /// What it shows at the moment. It changes only in a call that fails with [`DisplayError::ModeChanged`], so that a frame
+    /// always has the layout that was told before.
     fn mode(&self) -> Mode;
 
     /// The frame that the next present shows, to be painted. Its padding bytes belong to the display.

@@ -31,8 +31,10 @@ pub struct Sim<M> {
     memory: M,
     mode: Mode,
     buffering: Buffering,
-    /// Presents since the layout was set: tells which buffer is next, and how old its pixels are.
-    turns: u64,
+    /// The number of the back buffer.
+    back: usize,
+    /// Presents since the buffers' pixels were unknown.
+    known: u64,
     now_us: u64,
     log: PresentLog,
 }
@@ -53,7 +55,7 @@ impl<M: DerefMut<Target = [u8]>> Sim<M> {
         refresh_millihertz: u32,
     ) -> Result<Self, LayoutError> {
         let mode = Mode { layout, refresh_millihertz };
-        let mut sim = Self { memory, mode, buffering, turns: 0, now_us: 0, log: PresentLog::new() };
+        let mut sim = Self { memory, mode, buffering, back: 0, known: 0, now_us: 0, log: PresentLog::new() };
         sim.set_layout(layout)?;
         Ok(sim)
     }
@@ -70,9 +72,10 @@ impl<M: DerefMut<Target = [u8]>> Sim<M> {
         Ok(())
     }
 
-    /// Takes what the buffers hold as unknown, as after a switch from another console.
+    /// Takes what the buffers hold as unknown, as after a switch from another console: nothing is shown until the next
+    /// present, and every buffer is of age 0 until it was presented again.
     pub const fn forget(&mut self) {
-        self.turns = 0;
+        self.known = 0;
     }
 
     /// Sets the time, in microseconds from any start, that the log notes for the presents to come. It must not run back.
@@ -88,9 +91,9 @@ impl<M: DerefMut<Target = [u8]>> Sim<M> {
     /// The frame that was presented last; `None` before the first present. With [`Buffering::Single`] it is the back buffer
     /// too, and so holds what has been painted since.
     pub fn shown(&self) -> Option<FrameRef<'_>> {
-        let last = self.turns.checked_sub(1)?;
-        let start = self.start_of(last);
-        FrameRef::new(&self.memory[start..], self.mode.layout).ok()
+        let front = self.after(self.back);
+        let frame = FrameRef::new(&self.memory[self.start_of(front)..], self.mode.layout).ok()?;
+        (self.known > 0).then_some(frame)
     }
 
     /// What was presented when.
@@ -103,9 +106,13 @@ impl<M: DerefMut<Target = [u8]>> Sim<M> {
         &self.memory
     }
 
-    /// Where in the memory the buffer of a turn starts.
-    fn start_of(&self, turn: u64) -> usize {
-        let buffer = if turn.is_multiple_of(self.buffering.count() as u64) { 0 } else { 1 };
+    /// The buffer whose turn comes after that of `buffer`; with two of them also the one whose turn came before.
+    const fn after(&self, buffer: usize) -> usize {
+        (buffer + 1) % self.buffering.count()
+    }
+
+    /// Where in the memory `buffer` starts.
+    const fn start_of(&self, buffer: usize) -> usize {
         buffer * self.mode.layout.len_bytes()
     }
 }
@@ -116,9 +123,8 @@ impl<M: DerefMut<Target = [u8]>> Display for Sim<M> {
     }
 
     fn back_buffer(&mut self) -> Result<BackBuffer<'_>, DisplayError> {
-        let count = self.buffering.count();
-        let age = if self.turns < count as u64 { 0 } else { count as u32 };
-        let start = self.start_of(self.turns);
+        let age = if self.known < self.buffering.count() as u64 { 0 } else { self.buffering.count() as u32 };
+        let start = self.start_of(self.back);
         // The length was checked with the layout.
         let frame =
             FrameMut::new(&mut self.memory[start..], self.mode.layout).map_err(|_| DisplayError::Lost)?;
@@ -126,7 +132,8 @@ impl<M: DerefMut<Target = [u8]>> Display for Sim<M> {
     }
 
     fn present(&mut self) -> Result<(), DisplayError> {
-        self.turns += 1;
+        self.back = self.after(self.back);
+        self.known += 1;
         self.log.note(self.now_us, self.mode.refresh_millihertz);
         Ok(())
     }

@@ -1,1 +1,4 @@
 //! # Operating system
+
+#[cfg(feature = "window")]
+pub mod window;
