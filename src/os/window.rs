@@ -62,8 +62,7 @@ impl Window {
         let mut opening = Opening { title, size, outcome: None };
         // The first round of events asks for the window.
         let _ = events.pump_app_events(Some(Duration::ZERO), &mut opening);
-        let window =
-            opening.outcome.unwrap_or_else(|| Err("no answer".into())).map_err(WindowError::Refused)?;
+        let window = opening.outcome.unwrap_or_else(|| Err(refused("it gives no answer")))?;
         let shown = Shown::new(Rc::new(window), events.owned_display_handle()).map_err(refused)?;
         Ok(Self { shown, events })
     }
@@ -122,7 +121,7 @@ impl fmt::Debug for Window {
 struct Opening<'a> {
     title: &'a str,
     size: Option<Size>,
-    outcome: Option<Result<winit::window::Window, String>>,
+    outcome: Option<Result<winit::window::Window, WindowError>>,
 }
 
 impl ApplicationHandler for Opening<'_> {
@@ -133,7 +132,7 @@ impl ApplicationHandler for Opening<'_> {
         };
         let attributes =
             winit::window::Window::default_attributes().with_title(self.title).with_inner_size(size);
-        self.outcome = Some(events.create_window(attributes).map_err(|error| error.to_string()));
+        self.outcome = Some(events.create_window(attributes).map_err(refused));
     }
 
     fn window_event(&mut self, _: &ActiveEventLoop, _: WindowId, _: WindowEvent) {}
@@ -340,8 +339,12 @@ impl fmt::Display for WindowError {
 
 impl std::error::Error for WindowError {}
 
+/// The failure as the window system tells it. winit puts the place in its own source before that
+/// (`os error at src/linux/mod.rs:788: …`), which helps nobody here.
 fn refused(error: impl fmt::Display) -> WindowError {
-    WindowError::Refused(error.to_string())
+    let told = error.to_string();
+    let after_the_place = told.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": "));
+    WindowError::Refused(after_the_place.map_or(told.as_str(), |(_, cause)| cause).to_owned())
 }
 
 /// What `open` gives, or the message of its panic.
@@ -369,6 +372,13 @@ mod tests {
         assert_eq!([letter("i"), letter("I"), letter("k")], [Some(Button::Info), Some(Button::Info), None]);
         assert_eq!(button_of(&Key::Named(NamedKey::Escape)), Some(Button::Escape));
         assert_eq!(button_of(&Key::Named(NamedKey::Shift)), None);
+    }
+
+    #[test]
+    fn a_refusal_tells_the_cause_without_a_place_in_foreign_source() {
+        let cause = |told: &str| refused(told);
+        assert_eq!(cause("os error at /a/b/mod.rs:788: No server"), WindowError::Refused("No server".into()));
+        assert_eq!(cause("no memory: 3"), WindowError::Refused("no memory: 3".into()));
     }
 
     #[test]

@@ -1,13 +1,14 @@
 //! The simulated panel in every geometry, its mishaps, and scripts of presses.
 
+use proptest::prelude::*;
 use yurameki::{
     display::{
         Display, DisplayError,
         fault::{Fault, seeded},
-        sim::{Buffering, Sim, memory_len},
+        sim::{Buffering, Sim, Spec, memory_len},
     },
     frame::{FrameMut, FrameRef, Layout, PixelFormat, Size},
-    input::script::Script,
+    input::{Buttons as _, script::Script},
 };
 
 /// What the memory holds before anything is painted: no colour of [`paint`].
@@ -147,5 +148,30 @@ fn a_hostile_script_is_an_error_of_one_short_line() {
     for text in texts {
         let message = Script::parse(text).expect_err("hostile").to_string();
         assert!(message.len() < 200 && !message.contains(char::is_control), "{message}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn any_text_is_a_script_or_an_error_of_one_short_line(text in "([0-9]{0,3} ?(up|I|left|\\PC{0,3})[ \n#]{0,2}|\\PC){0,6}") {
+        match Script::parse(&text) {
+            Ok(mut script) => {
+                let presses = std::iter::from_fn(|| script.next_press(u64::MAX)).count();
+                let lines = text.lines().filter(|line| line.split('#').next().is_some_and(|code| !code.trim().is_empty()));
+                prop_assert_eq!(presses, lines.count(), "each line with a word is a press");
+            }
+            Err(error) => {
+                let message = error.to_string();
+                prop_assert!(message.len() < 250 && !message.contains(char::is_control), "{}", message);
+            }
+        }
+    }
+
+    #[test]
+    fn any_text_is_a_spec_that_fits_or_an_error(text in "sim:[0-9]{1,6}x[0-9]{1,6}(:(RGB565|bgr888|\\PC{0,3})(:[0-9]{0,22})?)?") {
+        if let Ok(Spec(layout)) = text.parse() {
+            prop_assert_eq!(Layout::new(layout.size, layout.format, Some(layout.stride_bytes)), Ok(layout));
+            prop_assert!(memory_len(layout, Buffering::Double) <= 2 * 16_384 * Spec::MAX_STRIDE_BYTES);
+        }
     }
 }

@@ -13,8 +13,8 @@ use x11rb::{
     connection::Connection as _,
     protocol::{
         xproto::{
-            AtomEnum, ClientMessageEvent, ConfigureWindowAux, ConnectionExt as _, EventMask, ImageFormat,
-            InputFocus, KEY_PRESS_EVENT, KEY_RELEASE_EVENT,
+            AtomEnum, ClientMessageEvent, ConfigureWindowAux, ConnectionExt as _, CreateGCAux, EventMask,
+            ImageFormat, InputFocus, KEY_PRESS_EVENT, KEY_RELEASE_EVENT, Rectangle,
         },
         xtest::ConnectionExt as _,
     },
@@ -32,6 +32,8 @@ const FIRST_SIZE: Size = Size::new(641, 360);
 const RESIZED: Size = Size::new(333, 500);
 /// Set in the process that holds the window.
 const CHILD: &str = "YURAMEKI_TEST_WINDOW";
+/// What is written to that process for a turn in which it presents nothing, as while the show is paused.
+const LISTEN: &str = "listen";
 /// Turns within which everything must have happened; a dozen are needed.
 const PATIENCE: usize = 3_000;
 
@@ -59,6 +61,12 @@ fn a_window_shows_frames_takes_keys_follows_its_size_and_closes() {
     program.until("mode 333×500");
     program.until_some(|| desk.shows(window, RESIZED).then_some(()));
 
+    desk.spill_ink(window, RESIZED);
+    assert!(!desk.shows(window, RESIZED), "the ink is seen");
+    program.only_listen = true;
+    program.until_some(|| desk.shows(window, RESIZED).then_some(()));
+    program.only_listen = false;
+
     desk.close(window);
     program.until("closed");
     assert!(program.child.wait().expect("it ends").success());
@@ -66,7 +74,7 @@ fn a_window_shows_frames_takes_keys_follows_its_size_and_closes() {
 
 #[test]
 fn a_screen_that_is_not_there_is_named_with_its_cure() {
-    // The largest display number stands for a port beyond 65535, so that no server can have it.
+    // The number stands for a port beyond 65535: no server has it.
     let mut program = Program::start(":59999");
     let told = program.until("refused");
     assert!(told.contains("DISPLAY=:59999") && told.contains("--display sim:"), "{told}");
@@ -94,9 +102,13 @@ fn hold_a_window() {
         Err(error) => return eprintln!("refused: {error}"),
     };
     eprintln!("mode {}", window.mode().layout.size);
-    for (turn, _) in (0..).zip(stdin().lines()) {
+    for (turn, wish) in (0..).zip(stdin().lines()) {
         while let Some(button) = window.next_press(turn) {
             eprintln!("press {button}");
+        }
+        if wish.expect("text") == LISTEN {
+            eprintln!("turn");
+            continue;
         }
         let outcome = window.back_buffer().map(paint).and_then(|()| window.present());
         match outcome {
@@ -160,6 +172,8 @@ struct Program {
     child: Child,
     turns: ChildStdin,
     told: Lines<BufReader<ChildStderr>>,
+    /// Whether its turns are such that present nothing.
+    only_listen: bool,
 }
 
 impl Program {
@@ -178,14 +192,14 @@ impl Program {
             .expect("this program starts again");
         let turns = child.stdin.take().expect("piped");
         let told = BufReader::new(child.stderr.take().expect("piped")).lines();
-        Self { child, turns, told }
+        Self { child, turns, told, only_listen: false }
     }
 
     /// Lets it take turns until it tells a line that begins with `wanted`.
     fn until(&mut self, wanted: &str) -> String {
         for _ in 0..PATIENCE {
             // A program that has ended takes no more turns, and has told why.
-            let _ = self.turns.write_all(b"\n");
+            let _ = writeln!(self.turns, "{}", if self.only_listen { LISTEN } else { "" });
             loop {
                 let line = self.told.next().unwrap_or_else(|| panic!("it ended before \"{wanted}\""));
                 let line = line.expect("text");
@@ -271,6 +285,16 @@ impl Desk {
     fn resize(&self, window: u32, size: Size) {
         let change = ConfigureWindowAux::new().width(size.width).height(size.height);
         self.desk.configure_window(window, &change).expect("asked").check().expect("resized");
+    }
+
+    /// Paints the window over, and has the server tell it that its picture is lost.
+    fn spill_ink(&self, window: u32, size: Size) {
+        let (width, height) = (size.width as u16, size.height as u16);
+        let ink = self.desk.generate_id().expect("a free number");
+        self.desk.create_gc(ink, window, &CreateGCAux::new()).expect("asked").check().expect("created");
+        let spot = Rectangle { x: 0, y: 0, width, height };
+        self.desk.poly_fill_rectangle(window, ink, &[spot]).expect("asked").check().expect("painted");
+        self.desk.clear_area(true, window, 0, 0, width, height).expect("asked").check().expect("told");
     }
 
     /// Asks the window to close, as the button in its title bar does.
