@@ -4,3 +4,5 @@ pub mod photo;
 pub mod interrupt;
 pub mod output;
 pub mod progress;
+#[cfg(feature = "window")]
+pub mod window;

@@ -1,0 +1,5 @@
+//! The integration tests: one module a theme.
+
+mod display;
+#[cfg(feature = "window")]
+mod window;
