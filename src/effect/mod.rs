@@ -4,6 +4,8 @@
 //! after that it renders any frame from a [`Drive`], cannot fail and allocates nothing. Knows sizes, strides and the drive;
 //! knows no device, file or clock.
 
+pub mod shimmer;
+
 use crate::{frame::FrameMut, noise::drive::Drive};
 
 /// What part of a frame an effect must paint.
