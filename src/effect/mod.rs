@@ -11,6 +11,7 @@ use crate::{
     noise::drive::Drive,
 };
 use core::fmt;
+use crate::{frame::FrameMut, noise::drive::Drive};
 
 /// What part of a frame an effect must paint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

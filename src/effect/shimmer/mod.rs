@@ -181,3 +181,8 @@ impl Effect for Shimmer<'_> {
         render::render(self, drive, paint, out);
     }
 }
+//! # Shimmer
+//!
+//! Light that plays over what moves in a breeze or flows.
+
+pub mod automatic_mask;

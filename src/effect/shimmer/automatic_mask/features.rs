@@ -1,0 +1,201 @@
+//! What the rule looks at: colour, texture and its direction, and the sky, for every cell of the grid.
+
+use super::grid::{BoxFilter, Grid};
+
+/// Planes that [`Features`] keeps.
+pub(super) const PLANES: usize = 11;
+
+/// The features of a whole photo, a plane each.
+pub(super) struct Features<'a> {
+    pub(super) red: &'a mut [i32],
+    pub(super) green: &'a mut [i32],
+    pub(super) blue: &'a mut [i32],
+    pub(super) luma: &'a mut [i32],
+    pub(super) fine: &'a mut [i32],
+    pub(super) coarse: &'a mut [i32],
+    pub(super) coherence: &'a mut [i32],
+    pub(super) upright: &'a mut [i32],
+    pub(super) squareness: &'a mut [i32],
+    pub(super) surround: &'a mut [i32],
+    pub(super) sky: &'a mut [i32],
+}
+
+/// The features of one cell. Colours are levels of 0..=255, shares are in 256ths.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    pub(super) red: i32,
+    pub(super) green: i32,
+    pub(super) blue: i32,
+    pub(super) luma: i32,
+    /// Mean distance of the luma from its 3 × 3 mean, in sixteenths of a level: leaf against leaf, ripple against ripple.
+    pub(super) fine: i32,
+    /// Mean distance of the 3 × 3 from the 11 × 11 mean, in sixteenths of a level: branch against branch, stone against stone.
+    pub(super) coarse: i32,
+    /// How much the gradients of the neighbourhood share one direction: 0 none, 256 a straight edge.
+    pub(super) coherence: i32,
+    /// −256 horizontal streaks, 256 upright ones, 0 neither.
+    pub(super) upright: i32,
+    /// How much the gradients of a wide neighbourhood fall into two directions at right angles: bricks, windows, planks.
+    pub(super) squareness: i32,
+    /// Mean luma of a window of a third of the picture.
+    pub(super) surround: i32,
+    /// How much of the nearest neighbourhood is sky.
+    pub(super) sky: i32,
+}
+
+impl<'a> Features<'a> {
+    pub(super) fn cell(&self, i: usize) -> Cell {
+        let level = |plane: &[i32]| (plane[i] + 8) >> 4;
+        Cell {
+            red: level(self.red),
+            green: level(self.green),
+            blue: level(self.blue),
+            luma: level(self.luma),
+            fine: self.fine[i],
+            coarse: self.coarse[i],
+            coherence: self.coherence[i],
+            upright: self.upright[i],
+            squareness: self.squareness[i],
+            surround: level(self.surround),
+            sky: self.sky[i],
+        }
+    }
+
+    /// Fills every plane from red, green and blue, in sixteenths of a level.
+    pub(super) fn measure(&mut self, filter: &mut BoxFilter<'_>, [a, b]: [&mut [i32]; 2]) {
+        for (luma, ((r, g), b)) in self.luma.iter_mut().zip(self.red.iter().zip(&*self.green).zip(&*self.blue)) {
+            *luma = (77 * r + 150 * g + 29 * b) >> 8;
+        }
+        self.measure_texture(filter, a, b);
+        self.measure_direction(filter, a, b);
+        filter.mean(self.luma, SURROUND_RADIUS, self.surround);
+        self.find_sky(filter);
+    }
+
+    fn measure_texture(&mut self, filter: &mut BoxFilter<'_>, near: &mut [i32], far: &mut [i32]) {
+        filter.mean(self.luma, 1, near);
+        filter.mean(self.luma, 5, far);
+        for (i, (near, far)) in near.iter().zip(&*far).enumerate() {
+            self.fine[i] = (self.luma[i] - near).abs().min(EDGE_CAP);
+            self.coarse[i] = (near - far).abs().min(2 * EDGE_CAP);
+        }
+        filter.mean_in_place(self.fine, TEXTURE_RADIUS);
+        filter.mean_in_place(self.coarse, TEXTURE_RADIUS + 1);
+    }
+
+    /// The structure tensor (Förstner and Gülch 1987) for coherence and streaks, and the fourth harmonic of the gradients'
+    /// directions for squareness.
+    fn measure_direction(&mut self, filter: &mut BoxFilter<'_>, a: &mut [i32], b: &mut [i32]) {
+        let grid = filter.grid;
+        let doubled = |luma: &[i32], i: usize| {
+            let (gx, gy) = gradient(grid, luma, i);
+            (gx * gx - gy * gy, 2 * gx * gy, gx * gx + gy * gy)
+        };
+        let s = &mut *self.squareness;
+        for i in 0..grid.cells() {
+            (a[i], b[i], s[i]) = doubled(self.luma, i);
+        }
+        filter.mean_in_place(a, DIRECTION_RADIUS);
+        filter.mean_in_place(b, DIRECTION_RADIUS);
+        filter.mean_in_place(s, DIRECTION_RADIUS);
+        for i in 0..grid.cells() {
+            let total = s[i] + FLAT_ENERGY;
+            self.coherence[i] = share(length(a[i], b[i]), total);
+            self.upright[i] = share(a[i], total);
+        }
+        for i in 0..grid.cells() {
+            let (x, y, energy) = doubled(self.luma, i);
+            let weight = (energy as u32).isqrt() as i32;
+            let (x, y) = (share(x, energy.max(1)), share(y, energy.max(1)));
+            (a[i], b[i], s[i]) = (weight * (x * x - y * y) / 256, weight * (2 * x * y) / 256, weight * 256);
+        }
+        filter.mean_in_place(a, SQUARE_RADIUS);
+        filter.mean_in_place(b, SQUARE_RADIUS);
+        filter.mean_in_place(s, SQUARE_RADIUS);
+        for i in 0..grid.cells() {
+            s[i] = share(length(a[i], b[i]), s[i] + FLAT_WEIGHT);
+        }
+    }
+
+    /// Grows the sky from the picture's upper edge over smooth cells that are not green.
+    fn find_sky(&mut self, filter: &mut BoxFilter<'_>) {
+        let grid = filter.grid;
+        for i in 0..grid.cells() {
+            let Cell { red, green, blue, luma, fine, .. } = self.cell(i);
+            let green_cast = green - (red + blue) / 2;
+            let smooth = fine < SKY_FINE;
+            self.sky[i] = if smooth && luma > SKY_LUMA && green_cast < SKY_GREEN { 1 } else { 0 };
+        }
+        for x in 0..grid.width {
+            if self.sky[x] == 1 {
+                self.sky[x] = 2;
+            }
+        }
+        for _ in 0..SKY_SWEEPS {
+            let forward = (1..grid.cells()).fold(false, |grew, i| self.grow_sky(grid, i, false) | grew);
+            let backward = (0..grid.cells()).rev().fold(false, |grew, i| self.grow_sky(grid, i, true) | grew);
+            if !forward && !backward {
+                break;
+            }
+        }
+        for sky in &mut *self.sky {
+            *sky = if *sky == 2 { 256 } else { 0 };
+        }
+        filter.mean_in_place(self.sky, 1);
+    }
+
+    fn grow_sky(&mut self, grid: Grid, i: usize, backward: bool) -> bool {
+        if self.sky[i] != 1 {
+            return false;
+        }
+        let (x, y) = (i % grid.width, i / grid.width);
+        let (beside, over) = if backward {
+            ((x + 1 < grid.width).then(|| i + 1), (y + 1 < grid.height).then(|| i + grid.width))
+        } else {
+            ((x > 0).then(|| i - 1), (y > 0).then(|| i - grid.width))
+        };
+        let joins = |from: Option<usize>| {
+            from.is_some_and(|from| self.sky[from] == 2 && (self.luma[from] - self.luma[i]).abs() < SKY_STEP)
+        };
+        let grows = joins(beside) || joins(over);
+        if grows {
+            self.sky[i] = 2;
+        }
+        grows
+    }
+}
+
+/// A gradient or an isolated edge counts at most this much, in sixteenths of a level, so that one strong outline is no texture.
+const EDGE_CAP: i32 = 24 * 16;
+const TEXTURE_RADIUS: usize = 3;
+const DIRECTION_RADIUS: usize = 4;
+const SQUARE_RADIUS: usize = 12;
+const SURROUND_RADIUS: usize = 53;
+/// Energy of a gradient of half a level a cell: below it a direction is sensor noise.
+const FLAT_ENERGY: i32 = 64;
+const FLAT_WEIGHT: i32 = 8 * 256;
+const SKY_FINE: i32 = 40;
+const SKY_LUMA: i32 = 40;
+const SKY_GREEN: i32 = 8;
+const SKY_STEP: i32 = 12 * 16;
+const SKY_SWEEPS: usize = 12;
+
+/// Central differences of the luma, in quarter levels over two cells, capped.
+fn gradient(grid: Grid, luma: &[i32], i: usize) -> (i32, i32) {
+    let (x, y) = ((i % grid.width) as isize, (i / grid.width) as isize);
+    let cap = EDGE_CAP / 2;
+    let gx = (grid.at(luma, x + 1, y) - grid.at(luma, x - 1, y)) / 4;
+    let gy = (grid.at(luma, x, y + 1) - grid.at(luma, x, y - 1)) / 4;
+    let longest = gx.abs().max(gy.abs());
+    if longest > cap { (gx * cap / longest, gy * cap / longest) } else { (gx, gy) }
+}
+
+/// `part` of `whole` in 256ths.
+fn share(part: i32, whole: i32) -> i32 {
+    (i64::from(part) * 256 / i64::from(whole)) as i32
+}
+
+fn length(x: i32, y: i32) -> i32 {
+    let square = |v: i32| u64::from(v.unsigned_abs()).pow(2);
+    (square(x) + square(y)).isqrt() as i32
+}
