@@ -11,7 +11,6 @@ use crate::{
     noise::drive::Drive,
 };
 use core::fmt;
-use crate::{frame::FrameMut, noise::drive::Drive};
 
 /// What part of a frame an effect must paint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

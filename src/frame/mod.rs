@@ -40,6 +40,22 @@ impl Size {
     pub const fn transposed(self) -> Self {
         Self { width: self.height, height: self.width }
     }
+
+    /// The largest size of this shape that lies within `bounds` and is no larger than this one.
+    #[must_use]
+    pub const fn within(self, bounds: Self) -> Self {
+        let (width, height) = (self.width as u64, self.height as u64);
+        if width <= bounds.width as u64 && height <= bounds.height as u64 {
+            return self;
+        }
+        let wide = width * bounds.height as u64 > height * bounds.width as u64;
+        let (other, scaled) = match wide {
+            true => (bounds.width, (height * bounds.width as u64 + width / 2) / width),
+            false => (bounds.height, (width * bounds.height as u64 + height / 2) / height),
+        };
+        let scaled = if scaled == 0 { 1 } else { scaled as u32 };
+        if wide { Self::new(other, scaled) } else { Self::new(scaled, other) }
+    }
 }
 
 impl core::fmt::Display for Size {

@@ -114,6 +114,22 @@ pub fn from_bytes(name: &str, bytes: &[u8], options: &Options) -> Result<Photo, 
         .map_err(|fault| PhotoError::new(name, fault))
 }
 
+/// Loads the photo at `path` in its own shape: at its own size or, where it is larger, shrunk to lie within `bounds`. There
+/// is no border.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_within(path: &Path, bounds: Size, limits: &Limits) -> Result<Photo, PhotoError> {
+    let name = path.to_string_lossy();
+    let named = |fault| PhotoError::new(&name, fault);
+    let bytes = file::read(path, limits.bytes).map_err(named)?;
+    let decoded = decode::decode(&bytes, limits).map_err(named)?;
+    drop(bytes);
+    let size = decoded.oriented_size().within(bounds);
+    let options = Options { limits: *limits, ..Options::new(size) };
+    place(&name, decoded, &options).map_err(named)
+}
+
 /// Resamples a photo to its place on the panel and fills the border.
 fn place(name: &str, photo: Decoded, options: &Options) -> Result<Photo, Fault> {
     let Options { size, fit, background, .. } = *options;

@@ -25,6 +25,7 @@
 //!    relief would be subtracted for ever. That frame 0 is the photo is seen to by the onset.
 //! 5. A relief steeper than 60° is flattened to 60°, at the steepest moment of its swing ([`relief`]).
 
+pub mod automatic_mask;
 mod bands;
 mod height;
 mod relief;
@@ -41,7 +42,7 @@ pub use storage::storage_len;
 
 use super::{Effect, Paint, Photo, StorageTooSmall};
 use crate::{
-    frame::FrameMut,
+    frame::{FrameMut, Size},
     math::{Factor, Turns},
     noise::drive::Drive,
 };
@@ -146,7 +147,8 @@ pub const LUMA_FOR_45_DEGREES: i32 = 20;
 /// A photo that shimmers.
 #[derive(Debug)]
 pub struct Shimmer<'a> {
-    planes: Planes<'a>,
+    size: Size,
+    storage: &'a mut [u64],
     light: shade::Light,
     /// m / L_z in Q13.
     strength: i16,
@@ -164,15 +166,20 @@ impl<'a> Shimmer<'a> {
         settings: &Settings,
         storage: &'a mut [u64],
     ) -> Result<Self, StorageTooSmall> {
+        let light = shade::Light::new(settings.light);
         let mut planes = Planes::carve(photo.size, storage)?;
         planes.fill_photo(photo);
-        let light = shade::Light::new(settings.light);
         height::fill(&mut planes, settings);
         relief::fill(&mut planes, settings, light);
         let centred = settings.range != Range::Full;
         let strength = settings.strength.to_bits() as i64 * (1 << 14) / i64::from(light.up);
         let strength = (strength >> 15).clamp(0, i64::from(i16::MAX)) as i16;
-        Ok(Self { planes, light, strength, centred })
+        Ok(Self { size: photo.size, storage, light, strength, centred })
+    }
+
+    /// Gives the lent memory back.
+    pub fn into_storage(self) -> &'a mut [u64] {
+        self.storage
     }
 }
 
@@ -181,8 +188,3 @@ impl Effect for Shimmer<'_> {
         render::render(self, drive, paint, out);
     }
 }
-//! # Shimmer
-//!
-//! Light that plays over what moves in a breeze or flows.
-
-pub mod automatic_mask;

@@ -34,7 +34,7 @@ struct Moment {
     light: Light,
 }
 
-pub(super) fn render(shimmer: &Shimmer<'_>, drive: Drive, paint: Paint, out: &mut FrameMut<'_>) {
+pub(super) fn render(shimmer: &mut Shimmer<'_>, drive: Drive, paint: Paint, out: &mut FrameMut<'_>) {
     let q15 = |factor: Factor| (factor.to_bits() >> 13).clamp(-32_767, 32_767) as i16;
     let moment = Moment {
         sine: q15(drive.amplitude * drive.phase.sin()),
@@ -42,7 +42,9 @@ pub(super) fn render(shimmer: &Shimmer<'_>, drive: Drive, paint: Paint, out: &mu
         strength: mul_q15(shimmer.strength, q15(drive.onset)) + i16::from(drive.onset >= Factor::ONE),
         light: shimmer.light,
     };
-    let planes = &shimmer.planes;
+    let Ok(planes) = &Planes::carve(shimmer.size, shimmer.storage) else {
+        unreachable!("the storage was long enough when the photo was prepared")
+    };
     let whole = [Span { start: 0, end: planes.size.width as u16 }];
     for y in 0..planes.size.height {
         let most = spans::most(planes.size.width);

@@ -63,7 +63,9 @@ impl<'a> Features<'a> {
 
     /// Fills every plane from red, green and blue, in sixteenths of a level.
     pub(super) fn measure(&mut self, filter: &mut BoxFilter<'_>, [a, b]: [&mut [i32]; 2]) {
-        for (luma, ((r, g), b)) in self.luma.iter_mut().zip(self.red.iter().zip(&*self.green).zip(&*self.blue)) {
+        for (luma, ((r, g), b)) in
+            self.luma.iter_mut().zip(self.red.iter().zip(&*self.green).zip(&*self.blue))
+        {
             *luma = (77 * r + 150 * g + 29 * b) >> 8;
         }
         self.measure_texture(filter, a, b);

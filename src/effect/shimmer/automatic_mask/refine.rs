@@ -17,7 +17,13 @@ pub(super) struct Coefficients<'a> {
 
 impl Coefficients<'_> {
     /// Fits `mask` (0..=255) to `luma` (sixteenths of a level); `a` and `b` are lent.
-    pub(super) fn fit(&mut self, luma: &[i32], mask: &[i32], filter: &mut BoxFilter<'_>, [a, b]: [&mut [i32]; 2]) {
+    pub(super) fn fit(
+        &mut self,
+        luma: &[i32],
+        mask: &[i32],
+        filter: &mut BoxFilter<'_>,
+        [a, b]: [&mut [i32]; 2],
+    ) {
         // Covariances in sixteenths, from luma and mask in levels.
         for i in 0..luma.len() {
             let level = (luma[i] + 8) >> 4;
@@ -49,7 +55,8 @@ impl Coefficients<'_> {
         for (y, (photo, out)) in rows.enumerate().take(height) {
             let (upper, lower, part) = place(y, height, grid.height);
             for x in 0..grid.width {
-                let mix = |plane: &[i32]| lerp(plane[upper * grid.width + x], plane[lower * grid.width + x], part);
+                let mix =
+                    |plane: &[i32]| lerp(plane[upper * grid.width + x], plane[lower * grid.width + x], part);
                 slopes[x] = mix(self.slope);
                 offsets[x] = mix(self.offset);
             }

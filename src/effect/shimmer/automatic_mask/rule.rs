@@ -55,7 +55,12 @@ impl Likeness {
         ]);
         let flame = hot;
 
-        let fur = all([ramp(c.fine, 90, 150), 256 - ramp(c.squareness, 50, 90), ramp(c.fine * 256 / (c.coarse + 1), 130, 220), open]);
+        let fur = all([
+            ramp(c.fine, 90, 150),
+            256 - ramp(c.squareness, 50, 90),
+            ramp(c.fine * 256 / (c.coarse + 1), 130, 220),
+            open,
+        ]);
         Self { foliage, autumn, water, fall, flame, fur }
     }
 
