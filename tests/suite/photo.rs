@@ -380,7 +380,7 @@ fn a_photo_that_may_not_be_read_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("secret.jpg");
     fs::copy(at("drawn.jpg"), &path).unwrap();
-    fs::set_permissions(&path, fs::Permissions::from_mode(0)).unwrap();
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o0)).unwrap();
     let error = load(&path, &Options::new(DRAWN)).unwrap_err();
     assert!(matches!(error.fault, Fault::Forbidden(_)));
 }
