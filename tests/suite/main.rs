@@ -1,5 +1,7 @@
-//! The integration tests: one module a theme.
+//! The integration tests: one binary, one module a theme.
 
 mod display;
+#[cfg(feature = "os")]
+mod photo;
 #[cfg(feature = "window")]
 mod window;
