@@ -42,7 +42,7 @@ impl Rect {
     }
 
     /// This rectangle grown to the left and top, where needed, to start in an even column and row.
-    pub(super) const fn from_even(self) -> Self {
+    pub(super) const fn starting_even(self) -> Self {
         let (odd_x, odd_y) = (self.left % 2, self.top % 2);
         Self {
             left: self.left - odd_x,
@@ -76,7 +76,7 @@ mod tests {
         }
         let rect = Rect { left: 2, top: 1, width: 4, height: 3 };
         assert_eq!(Rect::changed::<3>(&before, &after, 7), Some(rect));
-        assert_eq!(rect.from_even(), Rect { left: 2, top: 0, width: 4, height: 4 });
+        assert_eq!(rect.starting_even(), Rect { left: 2, top: 0, width: 4, height: 4 });
         let mut cut = Vec::new();
         rect.cut::<3>(&after, 7, &mut cut);
         assert_eq!(cut.iter().filter(|b| **b == 1).count(), 3);

@@ -7,12 +7,15 @@
 //! GIF counts delays in 1/100 s. They are rounded so that the film keeps its time; but browsers show a frame with a delay below
 //! 2/100 s for 10/100 s, so films of more than 50 frames a second play slowly there.
 
-use super::{Encode, Film, changed::Rect, palette::Palette};
+use super::{Encode, Film, changed::Rect, dither::Dither, palette};
 use gif::{DisposalMethod, EncodingError, Frame, Repeat};
 use std::{
     borrow::Cow,
     io::{self, Write},
 };
+
+/// The palette entry that stands for no change. The palette has one colour less.
+const TRANSPARENT: u8 = 255;
 
 pub(super) struct Encoder<W: Write> {
     state: State<W>,
@@ -26,7 +29,7 @@ pub(super) struct Encoder<W: Write> {
 /// The palette is known when the first frame is.
 enum State<W: Write> {
     Waiting(Option<W>),
-    Started { gif: gif::Encoder<W>, palette: Palette },
+    Started { gif: gif::Encoder<W>, dither: Dither },
 }
 
 impl<W: Write> Encoder<W> {
@@ -47,14 +50,14 @@ impl<W: Write> Encoder<W> {
     }
 
     fn start(to: W, film: Film, rgb: &[u8]) -> io::Result<State<W>> {
-        let palette = Palette::of(rgb);
+        let colours = palette::choose(rgb.as_chunks().0);
         // A side is at most Layout::MAX_SIDE, which fits.
         let (width, height) = (film.size.width as u16, film.size.height as u16);
-        let mut gif = gif::Encoder::new(to, width, height, &palette.colours().concat()).map_err(io_error)?;
+        let mut gif = gif::Encoder::new(to, width, height, &colours.concat()).map_err(io_error)?;
         if film.frames > 1 {
             gif.set_repeat(Repeat::Infinite).map_err(io_error)?;
         }
-        Ok(State::Started { gif, palette })
+        Ok(State::Started { gif, dither: Dither::new(colours) })
     }
 }
 
@@ -65,18 +68,18 @@ impl<W: Write> Encode for Encoder<W> {
         {
             self.state = Self::start(to, self.film, rgb)?;
         }
-        let State::Started { gif, palette } = &mut self.state else {
+        let State::Started { gif, dither } = &mut self.state else {
             return Err(io::Error::other("the first frame failed"));
         };
         let width = self.film.size.width;
-        palette.dither(rgb, width, &mut self.after);
+        dither.apply(rgb, width, &mut self.after);
         let rect = if self.before.is_empty() {
             Rect::all(self.film.size).cut::<1>(&self.after, width, &mut self.cut);
             Rect::all(self.film.size)
         } else {
             let rect = Rect::changed::<1>(&self.before, &self.after, width).unwrap_or(Rect::first_pixel());
             for (before, after) in self.before.iter_mut().zip(&self.after) {
-                *before = if before == after { Palette::TRANSPARENT } else { *after };
+                *before = if before == after { TRANSPARENT } else { *after };
             }
             rect.cut::<1>(&self.before, width, &mut self.cut);
             rect
@@ -85,7 +88,7 @@ impl<W: Write> Encode for Encoder<W> {
         gif.write_frame(&Frame {
             delay: self.delays.next().unwrap_or_default() as u16,
             dispose: DisposalMethod::Keep,
-            transparent: Some(Palette::TRANSPARENT),
+            transparent: Some(TRANSPARENT),
             left: rect.left as u16,
             top: rect.top as u16,
             width: rect.width as u16,

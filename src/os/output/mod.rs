@@ -8,6 +8,7 @@
 
 mod apng;
 mod changed;
+mod dither;
 mod error;
 mod gif;
 mod hash;

@@ -62,7 +62,7 @@ impl<W: Write + Seek> Encode for Encoder<W> {
         } else {
             // Frames start in even columns and rows: the container stores half of either number.
             let width = self.film.size.width;
-            Rect::changed::<3>(&self.before, rgb, width).unwrap_or(Rect::first_pixel()).from_even()
+            Rect::changed::<3>(&self.before, rgb, width).unwrap_or(Rect::first_pixel()).starting_even()
         };
         self.encode_still(rgb, rect)?;
         let place = [rect.left / 2, rect.top / 2, rect.width - 1, rect.height - 1];

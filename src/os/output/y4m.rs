@@ -2,6 +2,10 @@
 //!
 //! The colours are BT.601 in limited range (16 to 235), the only ones that readers agree on: the header can name the range but
 //! not the matrix, and readers that must convert to RGB take BT.601.
+//!
+//! Chroma is not halved (4:4:4): on a photo of 640×427 the way to RGB and back then errs by 0.4 levels on average instead of 2.4
+//! with 4:2:0, and encoders take odd sizes. For phones and browsers, which play only 4:2:0, give ffmpeg `-pix_fmt yuv420p` and
+//! even sides.
 
 use super::{Encode, Film};
 use std::io::{self, Write};
