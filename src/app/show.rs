@@ -119,8 +119,8 @@ impl Show {
 
     /// The picture comes alive within its first second, smoothly: 3s² − 2s³.
     fn onset(&self) -> Factor {
-        let s =
-            Factor::from_num(self.onset_frames) / Factor::from_num(self.frames_per_second).max(Factor::DELTA);
+        let done = u64::from(self.onset_frames) << Factor::FRAC_NBITS;
+        let s = Factor::from_bits((done / u64::from(self.frames_per_second.max(1))) as i32);
         s * s * (Factor::from_num(3) - 2 * s)
     }
 }
