@@ -98,7 +98,11 @@ fn heights(photo: Photo<'_>, settings: &Settings) -> [Plane; 3] {
                 };
                 one(0) + one(1)
             });
-            return [riesz, luma.map(|x, y| band.at(x, y)), luma.minus(&band)];
+            let soft = luma.map(|x, y| 12.0 / (riesz.at(x, y).hypot(band.at(x, y)) + 12.0));
+            let quadrature = luma.map(|x, y| band.at(x, y) * soft.at(x, y));
+            let centre =
+                luma.map(|x, y| (luma.at(x, y) - quadrature.at(x, y)).clamp(-256.0, 32_767.0 / 128.0));
+            return [luma.map(|x, y| riesz.at(x, y) * soft.at(x, y)), quadrature, centre];
         }
     };
     let quadrature = luma.minus(&centre);
