@@ -1,0 +1,3 @@
+//! What people rely on, a theme a module.
+
+mod output;
