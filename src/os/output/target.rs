@@ -10,7 +10,7 @@ use std::{
 pub enum FileFormat {
     /// A PNG; with several frames an animated one (APNG), which programs that know only PNG show as its first frame.
     Png,
-    /// A GIF: 255 colours, dithered.
+    /// A GIF: 255 colours, dithered. Browsers play more than 50 frames a second slowly.
     Gif,
     /// A lossless WebP.
     WebP,
