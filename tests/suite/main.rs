@@ -2,6 +2,8 @@
 
 mod display;
 #[cfg(feature = "os")]
+mod output;
+#[cfg(feature = "os")]
 mod photo;
 #[cfg(feature = "window")]
 mod window;
