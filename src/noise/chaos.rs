@@ -9,7 +9,7 @@
 //! number of values ends in a short cycle; 4) the sample is √N: N itself spends so little of its power on the creep that its
 //! spectral slope is 0.81, that of its root, along the same orbit, is 1.
 
-use crate::math::{Sample, random::Rng};
+use crate::math::{Sample, random::Rng, sqrt};
 use rand::Rng as _;
 
 /// 1/2, where the map folds, as a fraction of 64 bits.
@@ -101,7 +101,7 @@ impl Chaos {
         };
         const LEAST: u64 = 1 << (64 - LEAST_BITS);
         self.state = if next < LEAST { LEAST + (random << 1 >> LEAST_BITS) } else { next };
-        Sample::from_bits((self.state.isqrt() << (Sample::FRAC_NBITS - 32)) as i64)
+        Sample::from_bits((sqrt(self.state) >> (63 - Sample::FRAC_NBITS)) as i64)
     }
 }
 

@@ -256,7 +256,7 @@ fn without_noise_the_phase_returns_to_the_very_start_each_period() {
     for frame in 0..1_u64 << 22 {
         let drive = oscillator.step();
         // t/20 turns, rounded to 2^-32.
-        let exact = Turns((((frame % 20 << 32) + 10) / 20) as u32);
+        let exact = Turns(((((frame % 20) << 32) + 10) / 20) as u32);
         assert_eq!(
             drive,
             Drive { amplitude: Factor::ONE, frequency: Factor::ONE, phase: exact, onset: Factor::ONE }
@@ -458,7 +458,7 @@ fn drives_are_the_same_on_every_machine() {
 /// [`hash`] of 2^18 drives of seed 0 with integrated and with literal phase, as x86-64 makes them.
 const DRIVES: [(Kind, Kind, [u64; 2]); 4] = [
     (Kind::Brown, Kind::Brown, [0x2eef_53e7_50e7_bbdc, 0x1ade_7885_48e1_a126]),
-    (Kind::Filter, Kind::Chaos, [0x9d9e_29da_f0bf_3748, 0xfaba_6998_d0be_31e9]),
+    (Kind::Filter, Kind::Chaos, [0x1f7b_ab44_25fe_41ec, 0xedb1_a8ba_e6ff_8da8]),
     (Kind::White, Kind::Hosoda, [0x01d4_9f1d_87c1_f3b7, 0x9159_4761_6a4e_70b8]),
-    (Kind::Chaos, Kind::White, [0xe027_1b7b_bb87_ad53, 0x9519_0ee4_8221_ce12]),
+    (Kind::Chaos, Kind::White, [0x52de_6946_12b9_01eb, 0xc9f1_493a_f27c_45de]),
 ];
