@@ -5,13 +5,13 @@
 //!
 //! | kind | spectral slope, 1e-4..1e-1 of the frame rate | instructions a step | source |
 //! |---|---|---|---|
-//! | constant | – | 17 | – |
+//! | constant | – | 18 | – |
 //! | white | 0 | 82 | [`white`] |
-//! | chaos | 1 | 119 | [`chaos`] |
-//! | filter | 1 | 157 | [`filter`] |
-//! | brown | 2 above its leak | 87 | [`brown`] |
+//! | chaos | 1 | 122 | [`chaos`] |
+//! | filter | 1 | 156 | [`filter`] |
+//! | brown | 2 above its leak | 88 | [`brown`] |
 //! | chaos-literal | dies | – | [`chaos::Literal`] |
-//! | hosoda | 0.956 | 165 | [`hosoda`] |
+//! | hosoda | 0.956 | 166 | [`hosoda`] |
 //! | brown-literal | 2, strays without limit | 92 | [`brown::Literal`] |
 //!
 //! (Instructions as valgrind counts them in the release profile on x86-64, [`Generator::step`] and the loop around it.)

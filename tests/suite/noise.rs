@@ -149,7 +149,7 @@ const STREAMS: [(Kind, [u64; 4]); 8] = [
     ),
     (
         Kind::Chaos,
-        [0x8eb9_2f90_981d_ea7f, 0x81ed_b491_0840_21a3, 0x31fd_c295_9576_f63c, 0x4b2f_376f_f17a_d448],
+        [0x4fe0_c2e3_e9b4_b46f, 0x4fde_d13b_6f0a_012c, 0x082d_fbb6_a7bf_dc92, 0x313a_f13b_9187_6ee2],
     ),
     (
         Kind::ChaosLiteral,
