@@ -36,7 +36,7 @@ pub(super) fn fill(planes: &mut Planes<'_>, wind: Turns) {
                 + slope(middle, coarse, &rows, columns, x, weights[1]);
             let i = y * width + x;
             let (in_phase, quadrature) = (riesz >> 14, i32::from(fine[i]) - i32::from(coarse[i]));
-            let share = soften(in_phase, quadrature);
+            let share = evened(in_phase, quadrature);
             planes.sine.v[i] = (in_phase * share >> 14).clamp(-32_767, 32_767) as i16;
             planes.cosine.v[i] = (quadrature * share >> 14) as i16;
             // Beyond ±256 luma levels, next to single pixels of the utmost contrast, the centre is cut.
@@ -45,17 +45,18 @@ pub(super) fn fill(planes: &mut Planes<'_>, wind: Turns) {
     }
 }
 
-/// The amplitude that half-saturates a swing, in luma levels, Q7.
+/// The amplitude s at which a swing is neither enlarged nor reduced, in luma levels, Q7.
 ///
-/// A = sqrt(P² + Q²) becomes A·s/(A + s): the phase stays, and so does H(0), but the outline of a mountain no longer swings twenty times
-/// as far as leaves in the shade, as its contrast would have it.
-const SOFT_AMPLITUDE: i32 = 12 << 7;
+/// A = sqrt(P² + Q²) becomes 2·A·s/(A + s): up to twice as large where there is little of it, and never more than 2·s. The phase stays, and
+/// so does H(0), but the outline of a mountain no longer swings twenty times as far as leaves in the shade, as its contrast would
+/// have it.
+const EVEN_AMPLITUDE: i32 = 12 << 7;
 
-/// s/(A + s) in Q14.
-fn soften(in_phase: i32, quadrature: i32) -> i32 {
+/// 2·s/(A + s) in Q14.
+fn evened(in_phase: i32, quadrature: i32) -> i32 {
     let square = |x: i32| i64::from(x) * i64::from(x);
     let amplitude = (square(in_phase) + square(quadrature)).isqrt() as i32;
-    (SOFT_AMPLITUDE << 14) / (amplitude + SOFT_AMPLITUDE)
+    (EVEN_AMPLITUDE << 15) / (amplitude + EVEN_AMPLITUDE)
 }
 
 /// Starts of the rows above, at and below `y`, repeated at the picture's edges.

@@ -98,11 +98,11 @@ fn heights(photo: Photo<'_>, settings: &Settings) -> [Plane; 3] {
                 };
                 one(0) + one(1)
             });
-            let soft = luma.map(|x, y| 12.0 / (riesz.at(x, y).hypot(band.at(x, y)) + 12.0));
-            let quadrature = luma.map(|x, y| band.at(x, y) * soft.at(x, y));
+            let even = luma.map(|x, y| 24.0 / (riesz.at(x, y).hypot(band.at(x, y)) + 12.0));
+            let quadrature = luma.map(|x, y| band.at(x, y) * even.at(x, y));
             let centre =
                 luma.map(|x, y| (luma.at(x, y) - quadrature.at(x, y)).clamp(-256.0, 32_767.0 / 128.0));
-            return [luma.map(|x, y| riesz.at(x, y) * soft.at(x, y)), quadrature, centre];
+            return [luma.map(|x, y| riesz.at(x, y) * even.at(x, y)), quadrature, centre];
         }
     };
     let quadrature = luma.minus(&centre);
@@ -214,7 +214,7 @@ mod tests {
     fn settings() -> impl Strategy<Value = Settings> {
         let range = prop_oneof![Just(Range::Full), Just(Range::Neighbourhood), Just(Range::Travelling)];
         let branch = prop_oneof![Just(Branch::Rising), Just(Branch::Falling)];
-        (range, branch, 0..360, 20..90, 0..360, 1..20_i32, 1..10_i32).prop_map(
+        (range, branch, 0..360, 20..90, 0..360, 1..20_i32, 1..13_i32).prop_map(
             |(range, branch, azimuth, elevation, wind, relief, strength)| Settings {
                 range,
                 branch,
