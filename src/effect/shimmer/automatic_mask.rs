@@ -11,7 +11,6 @@ use crate::frame::Size;
 use features::Features;
 use grid::{BoxFilter, Grid};
 use refine::Coefficients;
-use rule::Likeness;
 
 /// Planes of the grid in the lent memory: the features, the score, the filter's rows, and two at work.
 const PLANES: usize = features::PLANES + 4;
@@ -39,6 +38,7 @@ pub fn automatic_mask(rgb: &[u8], size: Size, scratch: &mut [i32], mask: &mut [u
     let mut planes = planes.chunks_exact_mut(grid.cells());
     let mut plane = || planes.next().unwrap_or_default();
     let mut features = Features {
+        grid,
         red: plane(),
         green: plane(),
         blue: plane(),
@@ -48,7 +48,7 @@ pub fn automatic_mask(rgb: &[u8], size: Size, scratch: &mut [i32], mask: &mut [u
         coherence: plane(),
         upright: plane(),
         squareness: plane(),
-        surround: plane(),
+        dark: plane(),
         sky: plane(),
     };
     let (score, rows, a, b) = (plane(), plane(), plane(), plane());
@@ -57,8 +57,9 @@ pub fn automatic_mask(rgb: &[u8], size: Size, scratch: &mut [i32], mask: &mut [u
 
     grid::reduce(rgb, size, grid, [features.red, features.green, features.blue]);
     features.measure(&mut filter, [&mut *a, &mut *b]);
+    let sky_share = features.sky_share();
     for (i, score) in score.iter_mut().enumerate() {
-        *score = Likeness::of(features.cell(i)).best().min(255);
+        *score = rule::likelihood(&features.cell(i), sky_share).min(255);
     }
     gather(&mut filter, score, a);
     let mut coefficients = Coefficients { slope: features.coarse, offset: features.fine };
@@ -68,10 +69,14 @@ pub fn automatic_mask(rgb: &[u8], size: Size, scratch: &mut [i32], mask: &mut [u
 
 /// Smooths the score and damps what has little of its kind around it: specks go, holes in a crown close.
 fn gather(filter: &mut BoxFilter<'_>, score: &mut [i32], support: &mut [i32]) {
-    filter.mean_in_place(score, 2);
-    filter.mean(score, 8, support);
-    for (score, support) in score.iter_mut().zip(support) {
-        *score = (*score + *support) / 2;
+    filter.mean_in_place(score, 1);
+    filter.mean(score, 6, support);
+    for (score, support) in score.iter_mut().zip(&*support) {
+        *score = (*score).max((*score + *support) / 2);
+    }
+    filter.mean(score, 12, support);
+    for (score, support) in score.iter_mut().zip(&*support) {
+        *score = *score * (*support - 20).clamp(0, 40) / 40;
     }
 }
 

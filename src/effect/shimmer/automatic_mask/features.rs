@@ -7,6 +7,7 @@ pub(super) const PLANES: usize = 11;
 
 /// The features of a whole photo, a plane each.
 pub(super) struct Features<'a> {
+    pub(super) grid: Grid,
     pub(super) red: &'a mut [i32],
     pub(super) green: &'a mut [i32],
     pub(super) blue: &'a mut [i32],
@@ -16,7 +17,7 @@ pub(super) struct Features<'a> {
     pub(super) coherence: &'a mut [i32],
     pub(super) upright: &'a mut [i32],
     pub(super) squareness: &'a mut [i32],
-    pub(super) surround: &'a mut [i32],
+    pub(super) dark: &'a mut [i32],
     pub(super) sky: &'a mut [i32],
 }
 
@@ -37,10 +38,12 @@ pub(super) struct Cell {
     pub(super) upright: i32,
     /// How much the gradients of a wide neighbourhood fall into two directions at right angles: bricks, windows, planks.
     pub(super) squareness: i32,
-    /// Mean luma of a window of a third of the picture.
-    pub(super) surround: i32,
+    /// How much of a window of a third of the picture is dark.
+    pub(super) dark: i32,
     /// How much of the nearest neighbourhood is sky.
     pub(super) sky: i32,
+    /// How far down the picture: 0 at the upper edge, 256 at the lower.
+    pub(super) depth: i32,
 }
 
 impl<'a> Features<'a> {
@@ -56,8 +59,9 @@ impl<'a> Features<'a> {
             coherence: self.coherence[i],
             upright: self.upright[i],
             squareness: self.squareness[i],
-            surround: level(self.surround),
+            dark: self.dark[i],
             sky: self.sky[i],
+            depth: (i / self.grid.width * 256 / self.grid.height) as i32,
         }
     }
 
@@ -68,7 +72,14 @@ impl<'a> Features<'a> {
         }
         self.measure_texture(filter, a, b);
         self.measure_direction(filter, a, b);
-        filter.mean(self.luma, SURROUND_RADIUS, self.surround);
+        for (dark, luma) in self.dark.iter_mut().zip(&*self.luma) {
+            *dark = if *luma < DARK { 256 } else { 0 };
+        }
+        let night = self.dark.iter().sum::<i32>() / self.dark.len() as i32;
+        filter.mean_in_place(self.dark, SURROUND_RADIUS);
+        for dark in &mut *self.dark {
+            *dark = night.max(*dark);
+        }
         self.find_sky(filter);
     }
 
@@ -121,15 +132,12 @@ impl<'a> Features<'a> {
     fn find_sky(&mut self, filter: &mut BoxFilter<'_>) {
         let grid = filter.grid;
         for i in 0..grid.cells() {
-            let Cell { red, green, blue, luma, fine, .. } = self.cell(i);
-            let green_cast = green - (red + blue) / 2;
-            let smooth = fine < SKY_FINE;
-            self.sky[i] = if smooth && luma > SKY_LUMA && green_cast < SKY_GREEN { 1 } else { 0 };
-        }
-        for x in 0..grid.width {
-            if self.sky[x] == 1 {
-                self.sky[x] = 2;
-            }
+            let c = self.cell(i);
+            let pale = c.luma > SKY_LUMA && c.blue * 10 >= c.red * 9 && c.green - (c.red + c.blue) / 2 < SKY_GREEN;
+            let candidate = pale && c.fine < SKY_FINE && c.upright < SKY_UPRIGHT;
+            let bright = c.luma > SKY_SEED_LUMA && c.blue >= c.red && c.depth < SKY_SEED_DEPTH;
+            let seed = i < grid.width || bright;
+            self.sky[i] = i32::from(candidate) + i32::from(candidate && seed);
         }
         for _ in 0..SKY_SWEEPS {
             let forward = (1..grid.cells()).fold(false, |grew, i| self.grow_sky(grid, i, false) | grew);
@@ -141,7 +149,13 @@ impl<'a> Features<'a> {
         for sky in &mut *self.sky {
             *sky = if *sky == 2 { 256 } else { 0 };
         }
-        filter.mean_in_place(self.sky, 1);
+        filter.mean_in_place(self.sky, 3);
+    }
+
+    /// How much of the picture's upper quarter is sky.
+    pub(super) fn sky_share(&self) -> i32 {
+        let upper = &self.sky[..self.grid.width * self.grid.height.div_ceil(4)];
+        upper.iter().sum::<i32>() / upper.len() as i32
     }
 
     fn grow_sky(&mut self, grid: Grid, i: usize, backward: bool) -> bool {
@@ -174,10 +188,14 @@ const SURROUND_RADIUS: usize = 53;
 /// Energy of a gradient of half a level a cell: below it a direction is sensor noise.
 const FLAT_ENERGY: i32 = 64;
 const FLAT_WEIGHT: i32 = 8 * 256;
-const SKY_FINE: i32 = 40;
+const SKY_FINE: i32 = 56;
 const SKY_LUMA: i32 = 40;
 const SKY_GREEN: i32 = 8;
 const SKY_STEP: i32 = 12 * 16;
+const SKY_UPRIGHT: i32 = 70;
+const SKY_SEED_LUMA: i32 = 150;
+const SKY_SEED_DEPTH: i32 = 100;
+const DARK: i32 = 48 * 16;
 const SKY_SWEEPS: usize = 12;
 
 /// Central differences of the luma, in quarter levels over two cells, capped.

@@ -67,7 +67,7 @@ impl Coefficients<'_> {
 
 /// Pulls the ends of the soft scale to still and moving.
 fn settle(raw: i32) -> u8 {
-    ((raw - 64).clamp(0, 128) * 255 / 128) as u8
+    ((raw - 56).clamp(0, 112) * 255 / 112) as u8
 }
 
 /// The two cells between whose centres the centre of pixel `at` lies, and its place between them in 256ths.
