@@ -42,7 +42,7 @@
 //!
 //! ## `os` (feature `os`)
 //! The only part that knows std, files, clocks and devices.
-#![cfg_attr(not(feature = "os"), no_std)]
+#![cfg_attr(not(any(feature = "os", test)), no_std)]
 
 pub mod app;
 pub mod config;

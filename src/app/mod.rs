@@ -1,1 +1,13 @@
 //! # The program's decisions
+//!
+//! What a press means ([`State`]), which photo comes next ([`playlist`]), when a frame is due ([`pace`]), and one turn of the
+//! loop ([`Show::turn`]): render, present, step. Decides; whoever calls it opens photos and waits for time to pass.
+
+mod overlay;
+pub mod pace;
+pub mod playlist;
+mod show;
+mod state;
+
+pub use show::Show;
+pub use state::{Action, Request, State};

@@ -2,6 +2,9 @@
 //!
 //! The trait that a panel, a window or the simulator implements. Knows frames; knows no effect.
 
+pub mod fault;
+pub mod sim;
+
 use crate::frame::{FrameMut, Layout};
 use core::fmt;
 
@@ -27,7 +30,7 @@ pub struct BackBuffer<'a> {
 /// Why a display cannot be drawn to now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DisplayError {
-    /// The panel is gone (unplugged, or another program has taken it). Ask [`Display::mode`] again later.
+    /// The panel is gone (unplugged, or another program has taken it). Try again at a later turn.
     Lost,
     /// The panel has another mode now: read [`Display::mode`] and prepare again.
     ModeChanged,
@@ -48,13 +51,19 @@ impl fmt::Display for DisplayError {
 impl core::error::Error for DisplayError {}
 
 /// Something that shows frames.
+///
+/// One turn is [`Self::back_buffer`], painting, [`Self::present`]. Either call may fail at any turn; the show goes on all
+/// the same: after [`DisplayError::ModeChanged`] with frames of the new mode, after [`DisplayError::Lost`] when a later
+/// turn succeeds. Only [`DisplayError::Closed`] is for ever.
 pub trait Display {
-    /// What it shows at the moment.
+    /// What it shows at the moment. It changes only in a call that fails with [`DisplayError::ModeChanged`], so that a frame
+    /// always has the layout that was told before.
     fn mode(&self) -> Mode;
 
-    /// The frame that the next present shows, to be painted.
+    /// The frame that the next present shows, to be painted. Its padding bytes belong to the display.
     fn back_buffer(&mut self) -> Result<BackBuffer<'_>, DisplayError>;
 
-    /// Shows the back buffer.
+    /// Shows the back buffer. May wait for the panel's refresh, never longer. After a failure the frame may or may not have
+    /// been seen, and the next back buffer tells by its age what it holds.
     fn present(&mut self) -> Result<(), DisplayError>;
 }

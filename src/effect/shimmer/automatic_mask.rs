@@ -1,6 +1,24 @@
 //! The automatic mask: what of a single photo plausibly moves in a breeze or flows.
 //!
-//! (rule to be described)
+//! A rule made by hand, not a trained classifier; it knows colour, texture and place, and no thing by name. On a grid of at
+//! most 320 × 320 cells, whatever the panel:
+//!
+//! 1. *Features* ([`features`]), all box means: colour; fine and coarse texture of the luma; coherence and direction of the
+//!    gradients (structure tensor, Förstner and Gülch 1987); how far they fall into two directions at right angles (their
+//!    fourth harmonic); how dark the surround is; and the sky, grown from the upper edge over smooth cells that are not green.
+//! 2. *The rule* ([`rule`]): a cell is as likely to move as the likeliest of six things, each a product of soft conditions.
+//!    Foliage is green with some texture. Dry grass, twigs and fur are yellowish brown with much texture; autumn leaves are
+//!    saturated red to yellow with texture; neither may be built (right angles), outlined (one direction) or woven. Water is
+//!    blue with texture, or grey with level streaks, and below if there is sky above. Falls and spray are pale or blue with
+//!    upright streaks. Flame is red to yellow, or white at its core, where much around is dark. Nothing else moves: skin and
+//!    walls are smooth, sky is sky, stone and snow are grey and without streaks.
+//! 3. *Gathering*: gaps inside what moves close, and specks with little of their kind around them go.
+//! 4. *Edges* ([`refine`]): a guided filter with the photo's luma as its guide, computed on the grid and applied at full size,
+//!    then a contrast curve so that most pixels are plainly still or plainly moving.
+//!
+//! Where it fails: grey stone with streaks and blue far mountains without sky above them pass for water, blue clothes with
+//! folds for a fall, brown rough ground and dry brick for grass; smooth petals, leaves out of focus that are not green, smoke,
+//! grey fur, muddy water and the trunks within a crown are not told from what stands beside them. Paint a mask for those.
 
 mod features;
 mod grid;
@@ -11,6 +29,9 @@ use crate::frame::Size;
 use features::Features;
 use grid::{BoxFilter, Grid};
 use refine::Coefficients;
+
+/// See [`moving_per_mille`]: a fiftieth of the picture. A single candle is more.
+pub const HARDLY_ANYTHING_PER_MILLE: u32 = 20;
 
 /// Planes of the grid in the lent memory: the features, the score, the filter's rows, and two at work.
 const PLANES: usize = features::PLANES + 4;
@@ -67,20 +88,29 @@ pub fn automatic_mask(rgb: &[u8], size: Size, scratch: &mut [i32], mask: &mut [u
     coefficients.apply(rgb, size, grid, row, mask);
 }
 
+/// Gaps are closed by the mean over 13 × 13 cells, a twenty-fifth of the longest side.
+const GAP_RADIUS: usize = 6;
+/// Specks are what is less than [`SPECK_NONE`] of 255 over 25 × 25 cells; a candle's flame is 60.
+const SPECK_RADIUS: usize = 12;
+const SPECK_NONE: i32 = 20;
+const SPECK_FULL: i32 = 60;
+
 /// Smooths the score and damps what has little of its kind around it: specks go, holes in a crown close.
 fn gather(filter: &mut BoxFilter<'_>, score: &mut [i32], support: &mut [i32]) {
     filter.mean_in_place(score, 1);
-    filter.mean(score, 6, support);
+    filter.mean(score, GAP_RADIUS, support);
     for (score, support) in score.iter_mut().zip(&*support) {
         *score = (*score).max((*score + *support) / 2);
     }
-    filter.mean(score, 12, support);
+    filter.mean(score, SPECK_RADIUS, support);
     for (score, support) in score.iter_mut().zip(&*support) {
-        *score = *score * (*support - 20).clamp(0, 40) / 40;
+        *score =
+            *score * (*support - SPECK_NONE).clamp(0, SPECK_FULL - SPECK_NONE) / (SPECK_FULL - SPECK_NONE);
     }
 }
 
-/// The share of the picture that moves, in thousandths: the mean of `mask`.
+/// The share of the picture that moves, in thousandths: the mean of `mask`. Under [`HARDLY_ANYTHING_PER_MILLE`] the photo
+/// has next to nothing for an effect to move, and the caller does well to say so.
 pub fn moving_per_mille(mask: &[u8]) -> u32 {
     let sum: u64 = mask.iter().map(|&m| u64::from(m)).sum();
     (sum * 1000 / (mask.len().max(1) as u64 * 255)) as u32

@@ -1,5 +1,190 @@
-//! # Shimmer
+//! Shimmer: trees, water and fire in a photo sway.
 //!
-//! Light that plays over what moves in a breeze or flows.
+//! Source: Yamamoto and Sakamoto, 写真に自然な揺らめき表現を付加した動画生成法 ("the paper"; equation numbers are its). The luma of
+//! every pixel is taken for a height H that swings around a centre C (eq. 1, 4, 7):
+//!
+//! ```text
+//! H(t) = C + A·X_A(t)·sin(θ(t) + α),   sin α = (H(0) − C)/A
+//! ```
+//!
+//! and light from one side on the relief of heights makes the picture shimmer. With P = A·cos α and Q = A·sin α,
+//!
+//! ```text
+//! ∇H(t) = ∇C + X_A·sin θ·∇P + X_A·cos θ·∇Q
+//! ```
+//!
+//! so that [`Shimmer::prepare`] stores three gradients a pixel, and a frame needs two numbers and no sine.
+//! A pixel's shade is S = max(0, n·L), n the normal of the relief and L the direction of the light (Lambert), and all its
+//! channels are multiplied by 1 + onset·m·M·(S − S̄)/L_z, m the strength and M the mask.
+//!
+//! Departures from the paper:
+//! 1. The phase is the integral of the noisy frequency (see [`crate::noise::drive`]).
+//! 2. The branch of α, which the paper leaves open, is chosen by [`Branch`].
+//! 3. [`Range::Travelling`] is ours: the relief runs along the wind instead of pulsing in place.
+//! 4. The shade is compared with its mean over a cycle, S̄, not with the shade at rest, S(0): with S(0) a ghost of the resting
+//!    relief would be subtracted for ever. That frame 0 is the photo is seen to by the onset.
+//! 5. A relief steeper than 60° is flattened to 60°, at the steepest moment of its swing ([`relief`]).
 
 pub mod automatic_mask;
+mod bands;
+mod height;
+mod relief;
+mod render;
+mod shade;
+mod sliding;
+mod spans;
+mod storage;
+
+#[cfg(test)]
+mod reference;
+
+pub use storage::storage_len;
+
+use super::{Effect, Paint, Photo, StorageTooSmall};
+use crate::{
+    frame::{FrameMut, Size},
+    math::{Factor, Turns},
+    noise::drive::Drive,
+};
+use core::{fmt, str::FromStr};
+use storage::Planes;
+
+/// How the centre and the amplitude of a pixel's swing are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Range {
+    /// 全域振動: A = C = 127.5 everywhere; the paper's choice for trees.
+    Full,
+    /// 近傍考慮: from the largest and the smallest luma around the pixel; the paper's choice for water.
+    Neighbourhood,
+    /// From the picture's own local phase, by a Riesz transform along the wind; the relief travels.
+    #[default]
+    Travelling,
+}
+
+/// The sign of cos α, which the paper leaves open: does a pixel's height rise or fall at first?
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Branch {
+    /// All rise: neighbours move together.
+    #[default]
+    Rising,
+    /// All fall.
+    Falling,
+    /// A hash of the pixel's place decides: grainy, for glitter.
+    Scattered,
+}
+
+/// Implements names for an enum: `NAMES`, `Display` and `FromStr`, whose error lists the known names.
+macro_rules! named {
+    ($type:ident, $what:literal, $($variant:ident = $name:literal),+) => {
+        impl $type {
+            /// The known names, in the order in which they are listed to people.
+            pub const NAMES: &'static [(&'static str, Self)] = &[$(($name, Self::$variant)),+];
+        }
+
+        impl fmt::Display for $type {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(match self { $(Self::$variant => $name),+ })
+            }
+        }
+
+        impl FromStr for $type {
+            type Err = &'static str;
+
+            fn from_str(word: &str) -> Result<Self, Self::Err> {
+                let known = Self::NAMES.iter().find(|(name, _)| *name == word);
+                known.map(|(_, value)| *value).ok_or(concat!("unknown ", $what, "; the known ones are" $(, " ", $name)+))
+            }
+        }
+    };
+}
+
+named!(Range, "range mode", Full = "full", Neighbourhood = "neighbourhood", Travelling = "travelling");
+named!(Branch, "branch", Rising = "rising", Falling = "falling", Scattered = "scattered");
+
+/// Where the light comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Light {
+    /// Clockwise from the top of the picture.
+    pub azimuth: Turns,
+    /// Above the plane of the picture, 0° to 90°.
+    pub elevation: Turns,
+}
+
+/// What can be chosen of a shimmer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// How centre and amplitude are found.
+    pub range: Range,
+    /// The sign of cos α, where the range mode leaves it open.
+    pub branch: Branch,
+    /// Where the light comes from.
+    pub light: Light,
+    /// How steep the relief is, 1 by default. At 1, heights that differ by [`LUMA_FOR_45_DEGREES`] levels over 1/480 of the picture's
+    /// shorter side make a slope of 45°.
+    pub relief: Factor,
+    /// m: how far the shade changes the photo, 0 to 4.
+    pub strength: Factor,
+    /// Where the relief travels to in [`Range::Travelling`], clockwise from the top of the picture.
+    pub wind: Turns,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            range: Range::default(),
+            branch: Branch::default(),
+            light: Light { azimuth: Turns::from_degrees(315), elevation: Turns::from_degrees(45) },
+            relief: Factor::ONE,
+            strength: Factor::ONE / 2,
+            wind: Turns::from_degrees(90),
+        }
+    }
+}
+
+/// The unit of [`Settings::relief`].
+pub const LUMA_FOR_45_DEGREES: i32 = 20;
+
+/// A photo that shimmers.
+#[derive(Debug)]
+pub struct Shimmer<'a> {
+    size: Size,
+    storage: &'a mut [u64],
+    light: shade::Light,
+    /// m / L_z in Q13.
+    strength: i16,
+    /// Whether the centre's gradient is stored, because it is not zero.
+    centred: bool,
+}
+
+impl<'a> Shimmer<'a> {
+    /// Prepares `photo` in `storage`, which must hold [`storage_len`] words.
+    ///
+    /// # Panics
+    /// If `photo.rgb` or `photo.mask` does not have the length that `photo.size` asks for.
+    pub fn prepare(
+        photo: Photo<'_>,
+        settings: &Settings,
+        storage: &'a mut [u64],
+    ) -> Result<Self, StorageTooSmall> {
+        let light = shade::Light::new(settings.light);
+        let mut planes = Planes::carve(photo.size, storage)?;
+        planes.fill_photo(photo);
+        height::fill(&mut planes, settings);
+        relief::fill(&mut planes, settings, light);
+        let centred = settings.range != Range::Full;
+        let strength = settings.strength.to_bits() as i64 * (1 << 14) / i64::from(light.up);
+        let strength = (strength >> 15).clamp(0, i64::from(i16::MAX)) as i16;
+        Ok(Self { size: photo.size, storage, light, strength, centred })
+    }
+
+    /// Gives the lent memory back.
+    pub fn into_storage(self) -> &'a mut [u64] {
+        self.storage
+    }
+}
+
+impl Effect for Shimmer<'_> {
+    fn render(&mut self, drive: Drive, paint: Paint, out: &mut FrameMut<'_>) {
+        render::render(self, drive, paint, out);
+    }
+}

@@ -38,7 +38,7 @@ pub(super) struct Cell {
     pub(super) upright: i32,
     /// How much the gradients of a wide neighbourhood fall into two directions at right angles: bricks, windows, planks.
     pub(super) squareness: i32,
-    /// How much of a window of a third of the picture is dark.
+    /// How much of a window of a third of the picture is dark, or of the whole picture where that is more.
     pub(super) dark: i32,
     /// How much of the nearest neighbourhood is sky.
     pub(super) sky: i32,
@@ -46,7 +46,8 @@ pub(super) struct Cell {
     pub(super) depth: i32,
 }
 
-impl<'a> Features<'a> {
+impl Features<'_> {
+    /// The features of cell `i`, row by row.
     pub(super) fn cell(&self, i: usize) -> Cell {
         let level = |plane: &[i32]| (plane[i] + 8) >> 4;
         Cell {
@@ -67,7 +68,9 @@ impl<'a> Features<'a> {
 
     /// Fills every plane from red, green and blue, in sixteenths of a level.
     pub(super) fn measure(&mut self, filter: &mut BoxFilter<'_>, [a, b]: [&mut [i32]; 2]) {
-        for (luma, ((r, g), b)) in self.luma.iter_mut().zip(self.red.iter().zip(&*self.green).zip(&*self.blue)) {
+        for (luma, ((r, g), b)) in
+            self.luma.iter_mut().zip(self.red.iter().zip(&*self.green).zip(&*self.blue))
+        {
             *luma = (77 * r + 150 * g + 29 * b) >> 8;
         }
         self.measure_texture(filter, a, b);
@@ -128,16 +131,21 @@ impl<'a> Features<'a> {
         }
     }
 
-    /// Grows the sky from the picture's upper edge over smooth cells that are not green.
+    /// Grows the sky from the picture's upper edge, and from bright cool cells near it, over smooth cells that are not green.
     fn find_sky(&mut self, filter: &mut BoxFilter<'_>) {
         let grid = filter.grid;
         for i in 0..grid.cells() {
             let c = self.cell(i);
-            let pale = c.luma > SKY_LUMA && c.blue * 10 >= c.red * 9 && c.green - (c.red + c.blue) / 2 < SKY_GREEN;
+            let pale =
+                c.luma > SKY_LUMA && c.blue * 10 >= c.red * 9 && c.green - (c.red + c.blue) / 2 < SKY_GREEN;
             let candidate = pale && c.fine < SKY_FINE && c.upright < SKY_UPRIGHT;
             let bright = c.luma > SKY_SEED_LUMA && c.blue >= c.red && c.depth < SKY_SEED_DEPTH;
             let seed = i < grid.width || bright;
-            self.sky[i] = i32::from(candidate) + i32::from(candidate && seed);
+            self.sky[i] = match (candidate, seed) {
+                (false, _) => NO_SKY,
+                (true, false) => MAY_BE_SKY,
+                (true, true) => SKY,
+            };
         }
         for _ in 0..SKY_SWEEPS {
             let forward = (1..grid.cells()).fold(false, |grew, i| self.grow_sky(grid, i, false) | grew);
@@ -147,9 +155,9 @@ impl<'a> Features<'a> {
             }
         }
         for sky in &mut *self.sky {
-            *sky = if *sky == 2 { 256 } else { 0 };
+            *sky = if *sky == SKY { 256 } else { 0 };
         }
-        filter.mean_in_place(self.sky, 3);
+        filter.mean_in_place(self.sky, SKY_FRINGE);
     }
 
     /// How much of the picture's upper quarter is sky.
@@ -158,8 +166,9 @@ impl<'a> Features<'a> {
         upper.iter().sum::<i32>() / upper.len() as i32
     }
 
+    /// Makes cell `i` sky if it may be and joins one that is, before it in the sweep.
     fn grow_sky(&mut self, grid: Grid, i: usize, backward: bool) -> bool {
-        if self.sky[i] != 1 {
+        if self.sky[i] != MAY_BE_SKY {
             return false;
         }
         let (x, y) = (i % grid.width, i / grid.width);
@@ -169,34 +178,56 @@ impl<'a> Features<'a> {
             ((x > 0).then(|| i - 1), (y > 0).then(|| i - grid.width))
         };
         let joins = |from: Option<usize>| {
-            from.is_some_and(|from| self.sky[from] == 2 && (self.luma[from] - self.luma[i]).abs() < SKY_STEP)
+            from.is_some_and(|from| {
+                self.sky[from] == SKY && (self.luma[from] - self.luma[i]).abs() < SKY_STEP
+            })
         };
         let grows = joins(beside) || joins(over);
         if grows {
-            self.sky[i] = 2;
+            self.sky[i] = SKY;
         }
         grows
     }
 }
 
-/// A gradient or an isolated edge counts at most this much, in sixteenths of a level, so that one strong outline is no texture.
+/// An isolated edge counts at most 24 levels, in sixteenths, so that one strong outline is no texture.
 const EDGE_CAP: i32 = 24 * 16;
+/// Texture is a mean over 7 × 7 cells: a leaf and its neighbours, not the whole crown.
 const TEXTURE_RADIUS: usize = 3;
+/// Direction is a mean over 9 × 9 cells: a few ripples.
 const DIRECTION_RADIUS: usize = 4;
+/// Squareness is a mean over 25 × 25 cells: a window with its frame, some rows of bricks.
 const SQUARE_RADIUS: usize = 12;
+/// The surround is a third of the longest side.
 const SURROUND_RADIUS: usize = 53;
-/// Energy of a gradient of half a level a cell: below it a direction is sensor noise.
+/// Energy of a gradient of one level a cell: below it a direction is noise.
 const FLAT_ENERGY: i32 = 64;
+/// The same for the sum of the gradients' lengths.
 const FLAT_WEIGHT: i32 = 8 * 256;
+/// Luma under which a cell is dark: 48 levels, in sixteenths.
+const DARK: i32 = 48 * 16;
+
+const NO_SKY: i32 = 0;
+const MAY_BE_SKY: i32 = 1;
+const SKY: i32 = 2;
+
+/// Sky is smooth: clouds have a fine texture of 10 to 55, treetops 90 and more.
 const SKY_FINE: i32 = 56;
+/// Sky is not night.
 const SKY_LUMA: i32 = 40;
+/// Sky is not green, by so many levels.
 const SKY_GREEN: i32 = 8;
-const SKY_STEP: i32 = 12 * 16;
+/// Sky has no upright streaks: what is white and has them is falling water, or a wall.
 const SKY_UPRIGHT: i32 = 70;
+/// From cell to cell the sky's luma steps less than 12 levels, in sixteenths: the horizon is a border.
+const SKY_STEP: i32 = 12 * 16;
+/// Bright cool cells in the upper two fifths are sky even where a branch or a roof of rock closes the upper edge.
 const SKY_SEED_LUMA: i32 = 150;
 const SKY_SEED_DEPTH: i32 = 100;
-const DARK: i32 = 48 * 16;
+/// Sweeps forth and back that the sky's growth may take; it seldom takes four.
 const SKY_SWEEPS: usize = 12;
+/// Cells around the sky that count as near it, softly.
+const SKY_FRINGE: usize = 3;
 
 /// Central differences of the luma, in quarter levels over two cells, capped.
 fn gradient(grid: Grid, luma: &[i32], i: usize) -> (i32, i32) {

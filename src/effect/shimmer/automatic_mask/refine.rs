@@ -17,7 +17,13 @@ pub(super) struct Coefficients<'a> {
 
 impl Coefficients<'_> {
     /// Fits `mask` (0..=255) to `luma` (sixteenths of a level); `a` and `b` are lent.
-    pub(super) fn fit(&mut self, luma: &[i32], mask: &[i32], filter: &mut BoxFilter<'_>, [a, b]: [&mut [i32]; 2]) {
+    pub(super) fn fit(
+        &mut self,
+        luma: &[i32],
+        mask: &[i32],
+        filter: &mut BoxFilter<'_>,
+        [a, b]: [&mut [i32]; 2],
+    ) {
         // Covariances in sixteenths, from luma and mask in levels.
         for i in 0..luma.len() {
             let level = (luma[i] + 8) >> 4;
@@ -49,7 +55,8 @@ impl Coefficients<'_> {
         for (y, (photo, out)) in rows.enumerate().take(height) {
             let (upper, lower, part) = place(y, height, grid.height);
             for x in 0..grid.width {
-                let mix = |plane: &[i32]| lerp(plane[upper * grid.width + x], plane[lower * grid.width + x], part);
+                let mix =
+                    |plane: &[i32]| lerp(plane[upper * grid.width + x], plane[lower * grid.width + x], part);
                 slopes[x] = mix(self.slope);
                 offsets[x] = mix(self.offset);
             }
@@ -65,9 +72,12 @@ impl Coefficients<'_> {
     }
 }
 
-/// Pulls the ends of the soft scale to still and moving.
+/// Scores up to 56 of 255 are still, from 168 on moving: doubt about a region is no half motion.
+const STILL: i32 = 56;
+const MOVING: i32 = 168;
+
 fn settle(raw: i32) -> u8 {
-    ((raw - 56).clamp(0, 112) * 255 / 112) as u8
+    ((raw - STILL).clamp(0, MOVING - STILL) * 255 / (MOVING - STILL)) as u8
 }
 
 /// The two cells between whose centres the centre of pixel `at` lies, and its place between them in 256ths.

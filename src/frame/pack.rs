@@ -1,0 +1,153 @@
+//! From colours to the bytes of a pixel format.
+
+use super::{PixelFormat, dither};
+
+/// A colour channel with 4 fractional bits: 8-bit levels × 16, so 0..=4080.
+pub type Level = u16;
+
+/// Colours of a run of pixels, a plane a channel.
+#[derive(Clone, Copy, Debug)]
+pub struct Colours<'a> {
+    /// Red levels.
+    pub red: &'a [Level],
+    /// Green levels, as many.
+    pub green: &'a [Level],
+    /// Blue levels, as many.
+    pub blue: &'a [Level],
+}
+
+/// Writes pixels `x`.. of row `y` into `out`, whose length is that of the run in `format`.
+///
+/// Levels are brought to the format's own steps by ordered dithering with the fixed tile of [`dither`]: what the format can
+/// show exactly stays exact, and the mean over a tile is within 1/256 of a step of the level asked for.
+pub fn pack(format: PixelFormat, colours: Colours<'_>, x: u32, y: u32, out: &mut [u8]) {
+    match format {
+        PixelFormat::Xrgb8888 => pack_as::<4>(colours, x, y, out, |[r, g, b], t| {
+            (0xff00_0000 | to_8(r, t) << 16 | to_8(g, t) << 8 | to_8(b, t)).to_le_bytes()
+        }),
+        PixelFormat::Xbgr8888 => pack_as::<4>(colours, x, y, out, |[r, g, b], t| {
+            (0xff00_0000 | to_8(b, t) << 16 | to_8(g, t) << 8 | to_8(r, t)).to_le_bytes()
+        }),
+        PixelFormat::Rgb888 => {
+            pack_as::<3>(colours, x, y, out, |[r, g, b], t| [b, g, r].map(|level| to_8(level, t) as u8));
+        }
+        PixelFormat::Bgr888 => {
+            pack_as::<3>(colours, x, y, out, |[r, g, b], t| [r, g, b].map(|level| to_8(level, t) as u8));
+        }
+        PixelFormat::Rgb565 => pack_as::<2>(colours, x, y, out, |[r, g, b], t| {
+            ((to_5(r, t) << 11 | to_6(g, t) << 5 | to_5(b, t)) as u16).to_le_bytes()
+        }),
+        PixelFormat::Bgr565 => pack_as::<2>(colours, x, y, out, |[r, g, b], t| {
+            ((to_5(b, t) << 11 | to_6(g, t) << 5 | to_5(r, t)) as u16).to_le_bytes()
+        }),
+        PixelFormat::Xrgb2101010 => pack_as::<4>(colours, x, y, out, |[r, g, b], t| {
+            (0xc000_0000 | to_10(r, t) << 20 | to_10(g, t) << 10 | to_10(b, t)).to_le_bytes()
+        }),
+    }
+}
+
+#[inline(always)]
+fn pack_as<const BYTES: usize>(
+    colours: Colours<'_>,
+    x: u32,
+    y: u32,
+    out: &mut [u8],
+    pixel: impl Fn([Level; 3], u32) -> [u8; BYTES],
+) {
+    let (pixels, _) = out.as_chunks_mut::<BYTES>();
+    let row = dither::thresholds(y);
+    let channels = colours.red.iter().zip(colours.green).zip(colours.blue);
+    for (i, (out, ((&r, &g), &b))) in pixels.iter_mut().zip(channels).enumerate() {
+        *out = pixel([r, g, b], u32::from(row[(x as usize + i) % dither::SIDE]));
+    }
+}
+
+/// 16 thresholds suffice for the 4 fractional bits.
+#[inline(always)]
+const fn to_8(level: Level, threshold: u32) -> u32 {
+    (level as u32 + (threshold >> 4)) >> 4
+}
+
+/// 498/65536 is 31/4080, high by 0.000055: the topmost threshold times 256 still leaves the full level at 31.
+#[inline(always)]
+const fn to_5(level: Level, threshold: u32) -> u32 {
+    (level as u32 * 498 + threshold * 256) >> 16
+}
+
+/// 1012/65536 is 63/4080, high by 0.000012 of a step.
+#[inline(always)]
+const fn to_6(level: Level, threshold: u32) -> u32 {
+    (level as u32 * 1012 + threshold * 256) >> 16
+}
+
+/// 262916/2^20 is 1023/4080, high by 0.004 of a step at full level.
+#[inline(always)]
+const fn to_10(level: Level, threshold: u32) -> u32 {
+    (level as u32 * 262_916 + threshold * 4096) >> 20
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn packed(format: PixelFormat, level: Level, threshold_x: u32, y: u32) -> [u8; 3] {
+        let mut out = [0; 4];
+        let plane = [level];
+        let colours = Colours { red: &plane, green: &plane, blue: &plane };
+        let bytes = format.bytes_per_pixel();
+        pack(format, colours, threshold_x, y, &mut out[..bytes]);
+        format.unpack(&out)
+    }
+
+    #[test]
+    fn levels_of_8_bits_pass_unchanged_through_the_formats_that_hold_them() {
+        for format in PixelFormat::ALL.into_iter().filter(|f| f.bytes_per_pixel() > 2) {
+            for level in 0..=255_u16 {
+                for x in 0..16 {
+                    assert_eq!(packed(format, level * 16, x, x / 3), [level as u8; 3], "{format} {level}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn black_and_white_stay_pure_in_every_format() {
+        for format in PixelFormat::ALL {
+            for at in 0..256 {
+                assert_eq!(packed(format, 0, at % 16, at / 16), [0; 3], "{format}");
+                assert_eq!(packed(format, 4080, at % 16, at / 16), [255; 3], "{format}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_mean_over_a_tile_is_the_level_asked_for() {
+        for format in PixelFormat::ALL {
+            // `unpack` rounds to 8 bits: by up to half a level from 10 bits, and nearly one from 5.
+            let bound = match format {
+                PixelFormat::Rgb565 | PixelFormat::Bgr565 => 1.3,
+                PixelFormat::Xrgb2101010 => 0.57,
+                _ => 0.07,
+            };
+            for level in (0..=4080).step_by(17) {
+                let sums = (0..256).map(|at| packed(format, level, at % 16, at / 16).map(f64::from));
+                let mean = sums.fold([0.0; 3], |sum, rgb| core::array::from_fn(|i| sum[i] + rgb[i] / 256.0));
+                for channel in mean {
+                    let error = (channel - f64::from(level) / 16.0).abs();
+                    assert!(error < bound, "{format}: level {level}/16 shows as {channel}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn channels_land_where_the_format_says() {
+        let colours = Colours { red: &[255 * 16], green: &[128 * 16], blue: &[0] };
+        for format in PixelFormat::ALL {
+            let mut out = [0; 4];
+            pack(format, colours, 0, 0, &mut out[..format.bytes_per_pixel()]);
+            let [r, g, b] = format.unpack(&out);
+            assert!(r == 255 && g.abs_diff(128) < 5 && b == 0, "{format}: {r} {g} {b}");
+        }
+    }
+}

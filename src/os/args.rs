@@ -1,0 +1,286 @@
+//! The command line, as typed.
+
+use super::{
+    output::{FrameRate, Target},
+    photo::Fit,
+};
+use crate::{
+    config::{self, Life, Preset},
+    display::sim,
+    effect::shimmer::{Branch, Light, Range},
+    frame::{PixelFormat, Rotation, Size},
+    math::{Factor, Turns},
+    noise::{Kind, drive::PhaseForm},
+};
+use clap::{
+    Parser, Subcommand,
+    builder::{OsStringValueParser, TypedValueParser},
+};
+use std::{path::PathBuf, str::FromStr};
+
+/// A photo frame that brings still photos to life.
+///
+/// Without a command it shows a built-in photo: in a window where there is a screen, else rendered to a file.
+#[derive(Debug, Parser)]
+#[command(version, max_term_width = 100)]
+pub struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Show photos, alive, on a display.
+    Run(Run),
+    /// Render a photo's first seconds to a file.
+    Render(Render),
+    /// Print a noise, one number a line.
+    Noise(Noise),
+    /// Write the automatic mask of a photo, to look at and edit in any paint program.
+    Mask(Mask),
+}
+
+/// Arguments of `run`.
+#[derive(Debug, clap::Args)]
+pub struct Run {
+    /// Photos, and folders of photos.
+    #[arg(required = true)]
+    pub photos: Vec<PathBuf>,
+    /// Where to show them: auto, window, or a simulated panel as sim:WIDTHxHEIGHT[:FORMAT[:STRIDE_BYTES]].
+    #[arg(long, default_value = "auto")]
+    pub display: DisplayChoice,
+    /// Frames a second, 12 to 60.
+    #[arg(long, value_name = "F", default_value_t = config::DEFAULT_FRAMES_PER_SECOND, value_parser = clap::value_parser!(u32).range(12..=60))]
+    pub fps: u32,
+    /// End after so many frames.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub frames: Option<u64>,
+    /// Presses of buttons, one `FRAME BUTTON` a line.
+    #[arg(long, value_name = "FILE")]
+    pub script: Option<PathBuf>,
+    /// How the panel is mounted: the picture is turned clockwise by so many degrees.
+    #[arg(long, value_name = "DEGREES", default_value = "0")]
+    pub rotate: Rotation,
+    /// How photos live.
+    #[command(flatten)]
+    pub look: Look,
+}
+
+/// Arguments of `render`.
+#[derive(Debug, clap::Args)]
+pub struct Render {
+    /// The photo.
+    pub photo: PathBuf,
+    /// FILE.apng, .png, .gif, .webp or .y4m, a folder, or - for Y4M on standard output.
+    #[arg(long, value_name = "FILE", required_unless_present = "hash", value_parser = target())]
+    pub out: Option<Target>,
+    /// Width and height in pixels.
+    #[arg(long, value_name = "WxH", default_value = "1024x600", value_parser = size)]
+    pub size: Size,
+    /// How many frames.
+    #[arg(long, value_name = "N", default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..))]
+    pub frames: u32,
+    /// Frames a second, 1 to 60.
+    #[arg(long, value_name = "F", default_value_t = config::DEFAULT_FRAMES_PER_SECOND, value_parser = clap::value_parser!(u32).range(1..=60))]
+    pub fps: u32,
+    /// The panel's pixel format, whose depth and dithering the file shows.
+    #[arg(long, default_value = "XRGB8888")]
+    pub format: PixelFormat,
+    /// Print the SHA-256 over all frames: the same on every machine.
+    #[arg(long)]
+    pub hash: bool,
+    /// Show no progress.
+    #[arg(long)]
+    pub quiet: bool,
+    /// How the photo lives.
+    #[command(flatten)]
+    pub look: Look,
+}
+
+impl Render {
+    /// The rate of the frames in the file.
+    pub fn rate(&self) -> FrameRate {
+        // clap has checked 1..=60.
+        FrameRate::new(self.fps, 1).unwrap_or_else(|| unreachable!("1 to 60 frames a second are a rate"))
+    }
+}
+
+/// Arguments of `noise`.
+#[derive(Debug, clap::Args)]
+pub struct Noise {
+    /// constant, white, chaos, filter, hosoda, brown, chaos-literal or brown-literal.
+    #[arg(long, value_name = "K")]
+    pub kind: Kind,
+    /// How many numbers.
+    #[arg(long, value_name = "N", default_value_t = 1_000)]
+    pub steps: u64,
+    /// The seed.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+    /// The time constant of the response filter in frames; without it the noise drives a frequency, with it an amplitude.
+    #[arg(long, value_name = "TAU", value_parser = clap::value_parser!(u32).range(1..=200))]
+    pub response: Option<u32>,
+    /// The generator's own numbers, before they are scaled and clamped to drive anything.
+    #[arg(long, conflicts_with = "response")]
+    pub raw: bool,
+}
+
+/// Arguments of `mask`.
+#[derive(Debug, clap::Args)]
+pub struct Mask {
+    /// The photo.
+    pub photo: PathBuf,
+    /// The picture to write: white moves, black is still.
+    #[arg(long, value_name = "FILE.png")]
+    pub out: PathBuf,
+}
+
+/// How photos live.
+#[derive(Debug, clap::Args)]
+pub struct Look {
+    /// The seed of the noises: the same seed, the same motion.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// The paper's set-up for poplar, rowan, river or waterfall; single options go before it.
+    #[arg(long)]
+    pub preset: Option<Preset>,
+    /// The amplitude's noise: constant, white, chaos, filter, hosoda, brown, chaos-literal or brown-literal.
+    #[arg(long, value_name = "K")]
+    pub amplitude: Option<Kind>,
+    /// The frequency's noise, as above.
+    #[arg(long, value_name = "K")]
+    pub frequency: Option<Kind>,
+    /// The range of the swing: full, neighbourhood or travelling.
+    #[arg(long, value_name = "MODE")]
+    pub range: Option<Range>,
+    /// The phase: integrated, or literal as the paper prints it.
+    #[arg(long, value_name = "FORM", value_parser = phase)]
+    pub phase: Option<PhaseForm>,
+    /// How heights start: rising, falling or scattered.
+    #[arg(long)]
+    pub branch: Option<Branch>,
+    /// What moves: a picture (white moves), auto, or none for everything. By default PHOTO.mask.png beside the photo, else auto.
+    #[arg(long, value_name = "FILE|auto|none")]
+    pub mask: Option<MaskChoice>,
+    /// Where the light comes from: degrees clockwise from the top, and degrees above the picture, 5 to 90.
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = light, allow_hyphen_values = true)]
+    pub light: Option<Light>,
+    /// How steep the relief is, 0 to 4; 1 is usual.
+    #[arg(long, value_name = "K", value_parser = factor)]
+    pub relief: Option<Factor>,
+    /// How far the light changes the photo, 0 to 4.
+    #[arg(long, value_name = "M", value_parser = factor)]
+    pub strength: Option<Factor>,
+    /// Where the wind blows to, degrees clockwise from the top, for the travelling range.
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    pub wind: Option<i16>,
+    /// How a photo of another shape fills the panel: blurred, fill or plain.
+    #[arg(long, default_value_t)]
+    pub fit: Fit,
+}
+
+impl Look {
+    /// The life asked for: that of the preset, if there is one, with what else was said.
+    pub fn life(&self) -> Life {
+        let mut life = self.preset.map_or_else(Life::default, Preset::life);
+        let (drive, shimmer) = (&mut life.drive, &mut life.shimmer);
+        drive.amplitude = self.amplitude.unwrap_or(drive.amplitude);
+        drive.frequency = self.frequency.unwrap_or(drive.frequency);
+        drive.phase = self.phase.unwrap_or(drive.phase);
+        shimmer.range = self.range.unwrap_or(shimmer.range);
+        shimmer.branch = self.branch.unwrap_or(shimmer.branch);
+        shimmer.light = self.light.unwrap_or(shimmer.light);
+        shimmer.relief = self.relief.unwrap_or(shimmer.relief);
+        shimmer.strength = self.strength.unwrap_or(shimmer.strength);
+        shimmer.wind = self.wind.map_or(shimmer.wind, |degrees| Turns::from_degrees(degrees.into()));
+        life
+    }
+}
+
+/// Where to show photos.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DisplayChoice {
+    /// A window where there is a screen, else a simulated panel.
+    Auto,
+    /// A window.
+    Window,
+    /// A simulated panel.
+    Sim(sim::Spec),
+}
+
+impl FromStr for DisplayChoice {
+    type Err = String;
+
+    fn from_str(word: &str) -> Result<Self, String> {
+        match word {
+            "auto" => Ok(Self::Auto),
+            "window" => Ok(Self::Window),
+            sim if sim.starts_with("sim") => {
+                sim.parse().map(Self::Sim).map_err(|e: sim::SpecError| e.to_string())
+            }
+            _ => Err(
+                "unknown display; the known ones are auto, window, sim:WIDTHxHEIGHT[:FORMAT[:STRIDE_BYTES]]"
+                    .into(),
+            ),
+        }
+    }
+}
+
+/// What of a photo moves.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MaskChoice {
+    /// What plausibly moves.
+    Automatic,
+    /// Everything.
+    Everything,
+    /// What is white in this picture.
+    File(PathBuf),
+}
+
+impl FromStr for MaskChoice {
+    type Err = std::convert::Infallible;
+
+    fn from_str(word: &str) -> Result<Self, Self::Err> {
+        Ok(match word {
+            "auto" => Self::Automatic,
+            "none" => Self::Everything,
+            file => Self::File(file.into()),
+        })
+    }
+}
+
+fn size(word: &str) -> Result<Size, String> {
+    let form = "a size is WIDTHxHEIGHT in pixels, each 1 to 16384, like 1024x600";
+    let (width, height) = word.split_once(['x', 'X', '×']).ok_or(form)?;
+    let side =
+        |text: &str| text.parse().ok().filter(|side| (1..=crate::frame::Layout::MAX_SIDE).contains(side));
+    Ok(Size::new(side(width).ok_or(form)?, side(height).ok_or(form)?))
+}
+
+fn target() -> impl TypedValueParser<Value = Target> {
+    OsStringValueParser::new().try_map(|word| Target::parse(&word))
+}
+
+fn phase(word: &str) -> Result<PhaseForm, &'static str> {
+    match word {
+        "integrated" => Ok(PhaseForm::Integrated),
+        "literal" => Ok(PhaseForm::Literal),
+        _ => Err("unknown phase; the known ones are integrated, literal"),
+    }
+}
+
+fn light(word: &str) -> Result<Light, &'static str> {
+    let form = "a light is AZIMUTH,ELEVATION in whole degrees, the elevation 5 to 90, like 315,45";
+    let (azimuth, elevation) = word.split_once(',').ok_or(form)?;
+    let azimuth: i16 = azimuth.trim().parse().map_err(|_| form)?;
+    let elevation = elevation.trim().parse().ok().filter(|degrees| (5..=90).contains(degrees)).ok_or(form)?;
+    Ok(Light { azimuth: Turns::from_degrees(azimuth.into()), elevation: Turns::from_degrees(elevation) })
+}
+
+fn factor(word: &str) -> Result<Factor, &'static str> {
+    let number =
+        word.parse::<Factor>().ok().filter(|factor| (Factor::ZERO..=Factor::from_num(4)).contains(factor));
+    number.ok_or("a number from 0 to 4 is needed")
+}

@@ -1,0 +1,73 @@
+//! `yurameki render`: a photo's first seconds, to a file.
+
+use super::{
+    Failure, args,
+    interrupt::Interrupt,
+    output::{FrameHash, Target, Writer},
+    progress::Progress,
+    scene::{Scene, Source},
+};
+use crate::{
+    app::Show,
+    display::sim::{self, Buffering, Sim},
+    effect::shimmer::{Shimmer, storage_len},
+    frame::{Layout, Rotation},
+};
+use clap::Parser;
+use std::env;
+
+/// The demo photo, to a file in the folder for temporary files.
+pub(super) fn demo() -> Result<(), Failure> {
+    let out = env::temp_dir().join("yurameki-demo.webp");
+    let out = out.to_string_lossy();
+    let words = ["yurameki", "render", "demo", "--out", &out, "--size", "800x534", "--frames", "60"];
+    let Some(args::Command::Render(args)) = args::Args::parse_from(words).command else {
+        unreachable!("`render` was asked for")
+    };
+    film(&args, Source::Demo)?;
+    println!("{out}: the demo photo, alive for {} seconds", args.frames / args.fps);
+    Ok(())
+}
+
+pub(super) fn render(args: &args::Render) -> Result<(), Failure> {
+    film(args, Source::File(&args.photo))
+}
+
+fn film(args: &args::Render, source: Source<'_>) -> Result<(), Failure> {
+    let interrupt = Interrupt::install()?;
+    let layout = Layout::new(args.size, args.format, None)?;
+    let life = args.look.life().at(args.fps);
+    let scene = Scene::load(source, args.size, Rotation::None, &args.look)?;
+    let mut storage = vec![0; storage_len(args.size)];
+    let mut shimmer = Shimmer::prepare(scene.photo(), &life.shimmer, &mut storage)?;
+    let memory = vec![0; sim::memory_len(layout, Buffering::Single)];
+    let mut panel = Sim::new(memory, layout, Buffering::Single, 0)?;
+    let mut show = Show::new(life.drive, args.fps, args.look.seed);
+
+    let open = |target: &Target| Writer::create(target, args.size, args.rate(), args.frames);
+    let mut writer = args.out.as_ref().map(open).transpose()?;
+    let mut hash = args.hash.then(|| FrameHash::new());
+    let progress = Progress::new(args.frames, args.quiet);
+    for _ in 0..args.frames {
+        if interrupt.requested() {
+            return Err(Failure::new("stopped; nothing was written"));
+        }
+        show.turn(&mut shimmer, scene.name(), &mut panel)?;
+        let Some(frame) = panel.shown() else { unreachable!("a frame was just presented") };
+        if let Some(writer) = &mut writer {
+            writer.write(frame)?;
+        }
+        if let Some(hash) = &mut hash {
+            hash.update(frame);
+        }
+        progress.frame_done();
+    }
+    drop(progress);
+    if let Some(writer) = writer {
+        writer.finish()?;
+    }
+    if let Some(hash) = hash {
+        println!("{}", hash.hex());
+    }
+    Ok(())
+}

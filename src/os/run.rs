@@ -1,0 +1,126 @@
+//! `yurameki run`: photos on a display, until somebody ends it.
+
+use super::{
+    Failure, args,
+    interrupt::Interrupt,
+    panel::Panel,
+    photo, render,
+    scene::{self, Scene, Source},
+};
+use crate::{
+    app::{Request, Show, pace::Pace, playlist::Playlist},
+    display::{Display, DisplayError},
+    effect::shimmer::{Shimmer, storage_len},
+    input::{Buttons, script::Script},
+};
+use clap::Parser;
+use std::{
+    collections::HashSet,
+    fs,
+    thread::sleep,
+    time::{Duration, Instant},
+};
+
+/// Without any argument: the demo photo in a window, or, where no window opens, in a file.
+pub(super) fn demo() -> Result<(), Failure> {
+    let args = args::Args::parse_from(["yurameki", "run", "demo", "--display", "window"]);
+    let Some(args::Command::Run(args)) = args.command else { unreachable!("`run` was asked for") };
+    match Panel::open(args.display, args.fps) {
+        Ok(panel) => show(&args, &[Source::Demo], panel),
+        Err(why) => {
+            log::info!("{why}");
+            render::demo()
+        }
+    }
+}
+
+pub(super) fn run(args: &args::Run) -> Result<(), Failure> {
+    let files = photo::list(&args.photos)?;
+    let sources: Vec<Source<'_>> = files.iter().map(|path| Source::File(path)).collect();
+    show(args, &sources, Panel::open(args.display, args.fps)?)
+}
+
+/// Why the loop over a photo's frames has ended.
+enum Left {
+    For(Request),
+    Display(DisplayError),
+}
+
+/// How long to wait before a display that is gone is asked again.
+const LOST_DISPLAY_WAIT: Duration = Duration::from_millis(250);
+
+fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<(), Failure> {
+    let mut playlist = Playlist::new(sources.len()).ok_or_else(|| {
+        Failure::new("there is no photo in these folders; JPEG, PNG, WebP, GIF, BMP and TIFF files are shown")
+    })?;
+    let text = match &args.script {
+        Some(path) => {
+            fs::read_to_string(path).map_err(|e| Failure::new(format!("{}: {e}", path.display())))?
+        }
+        None => String::new(),
+    };
+    let mut script = Script::parse(&text).map_err(|e| Failure::new(format!("the script: {e}")))?;
+    let interrupt = Interrupt::install()?;
+    let life = scene::turned(args.look.life().at(args.fps), args.rotate);
+    let mut show = Show::new(life.drive, args.fps, args.look.seed);
+    let clock = Instant::now();
+    let mut storage = Vec::new();
+    let mut bad = HashSet::new();
+    while bad.len() < sources.len() {
+        let size = panel.mode().layout.size;
+        let scene = match Scene::load(sources[playlist.current()], size, args.rotate, &args.look) {
+            Ok(scene) => scene,
+            Err(failure) => {
+                if bad.insert(playlist.current()) {
+                    log::warn!("skipped: {failure}");
+                }
+                playlist.skip();
+                continue;
+            }
+        };
+        bad.clear();
+        storage.resize(storage_len(size), 0);
+        let mut shimmer = Shimmer::prepare(scene.photo(), &life.shimmer, &mut storage)?;
+        show.restart();
+        let mut pace = Pace::new(args.fps, clock.elapsed());
+        let left = loop {
+            if interrupt.requested() || args.frames.is_some_and(|frames| show.frame() >= frames) {
+                break Left::For(Request::Quit);
+            }
+            if let Some(request) = next_request(&mut show, [&mut script, &mut panel]) {
+                break Left::For(request);
+            }
+            if let Err(error) = show.turn(&mut shimmer, scene.name(), &mut panel) {
+                break Left::Display(error);
+            }
+            pace.shown(clock.elapsed());
+            sleep(pace.deadline().saturating_sub(clock.elapsed()));
+        };
+        match left {
+            Left::For(Request::NextPhoto) => playlist.next(),
+            Left::For(Request::PreviousPhoto) => playlist.previous(),
+            Left::For(Request::Quit) | Left::Display(DisplayError::Closed) => {
+                if let Some(report) = panel.report() {
+                    println!("{report}");
+                }
+                return Ok(());
+            }
+            Left::Display(DisplayError::ModeChanged) => {}
+            Left::Display(DisplayError::Lost) => sleep(LOST_DISPLAY_WAIT),
+        }
+    }
+    Err(Failure::new("none of the photos can be shown"))
+}
+
+/// Takes all presses in; the first that asks for something ends the round.
+fn next_request(show: &mut Show, buttons: [&mut dyn Buttons; 2]) -> Option<Request> {
+    for buttons in buttons {
+        while let Some(button) = buttons.next_press(show.frame()) {
+            let request = show.press(button);
+            if request.is_some() {
+                return request;
+            }
+        }
+    }
+    None
+}
