@@ -17,7 +17,8 @@
 //!    then a contrast curve so that most pixels are plainly still or plainly moving.
 //!
 //! Where it fails: grey stone with streaks and blue far mountains without sky above them pass for water, blue clothes with
-//! folds for a fall, brown rough ground and dry brick for grass; smooth petals, leaves out of focus that are not green, smoke,
+//! folds for a fall, brown rough ground, ornate brown things
+//! and hair for dry grass, orange things in dark rooms for flames, rims of clouds for spray; smooth petals, leaves out of focus that are not green, smoke,
 //! grey fur, muddy water and the trunks within a crown are not told from what stands beside them. Paint a mask for those.
 
 mod features;
@@ -30,7 +31,7 @@ use features::Features;
 use grid::{BoxFilter, Grid};
 use refine::Coefficients;
 
-/// See [`moving_per_mille`]: a fiftieth of the picture. A single candle is more.
+/// See [`moving_per_mille`]: a fiftieth of the picture.
 pub const HARDLY_ANYTHING_PER_MILLE: u32 = 20;
 
 /// Planes of the grid in the lent memory: the features, the score, the filter's rows, and two at work.
@@ -45,6 +46,9 @@ pub const fn scratch_len(size: Size) -> usize {
 
 /// Writes to `mask` what of the photo moves: 255 moves, 0 stays, soft between. `rgb` is the photo as it is shown, three
 /// bytes a pixel in sRGB; `mask` holds a byte a pixel; `scratch` at least [`scratch_len`] words.
+///
+/// The cost is that of the grid and two passes over the pixels: 24 ms at 1920×1080, 62 ms at 3840×2160 (one core of an
+/// x86-64 server, optimised, 2026-11).
 ///
 /// # Panics
 /// Where a slice is shorter than `size` asks for.
@@ -90,7 +94,8 @@ pub fn automatic_mask(rgb: &[u8], size: Size, scratch: &mut [i32], mask: &mut [u
 
 /// Gaps are closed by the mean over 13 × 13 cells, a twenty-fifth of the longest side.
 const GAP_RADIUS: usize = 6;
-/// Specks are what is less than [`SPECK_NONE`] of 255 over 25 × 25 cells; a candle's flame is 60.
+/// Specks are what is less than [`SPECK_NONE`] of 255 over 25 × 25 cells; [`SPECK_FULL`] keeps a lone
+/// candle's flame.
 const SPECK_RADIUS: usize = 12;
 const SPECK_NONE: i32 = 20;
 const SPECK_FULL: i32 = 60;

@@ -224,7 +224,7 @@ const SKY_STEP: i32 = 12 * 16;
 /// Bright cool cells in the upper two fifths are sky even where a branch or a roof of rock closes the upper edge.
 const SKY_SEED_LUMA: i32 = 150;
 const SKY_SEED_DEPTH: i32 = 100;
-/// Sweeps forth and back that the sky's growth may take; it seldom takes four.
+/// Sweeps forth and back that the sky's growth may take; a sky winding through more turns than these is cut.
 const SKY_SWEEPS: usize = 12;
 /// Cells around the sky that count as near it, softly.
 const SKY_FRINGE: usize = 3;

@@ -85,7 +85,7 @@ const FALL_UNDER_SKY: Ramp = Ramp(200, 110);
 // Flames.
 
 const FLAME_RED: Ramp = Ramp(50, 110);
-/// Skin by lamplight stays under 110.
+/// Skin has 90 to 105, and a smooth face by lamplight must stay.
 const FLAME_SATURATION: Ramp = Ramp(100, 145);
 /// The core is white.
 const FLAME_CORE_LUMA: Ramp = Ramp(200, 235);
