@@ -1,6 +1,5 @@
 //! The automatic mask: what moves and what stays, on scenes made here and on the development photos where they are.
 
-use std::path::Path;
 use yurameki::{
     effect::shimmer::automatic_mask::{
         HARDLY_ANYTHING_PER_MILLE, automatic_mask, moving_per_mille, scratch_len,
@@ -193,15 +192,18 @@ fn the_lent_memory_does_not_grow_with_the_panel() {
 }
 
 /// What must become of a region.
+#[cfg(feature = "os")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fate {
     Moves,
     Stays,
 }
+#[cfg(feature = "os")]
 use Fate::{Moves, Stays};
 
 /// Regions marked by hand: photo, left, upper, right, lower in thousandths. What the module's documentation says fails is not
 /// among them.
+#[cfg(feature = "os")]
 const REGIONS: [(&str, [u32; 4], Fate); 62] = [
     ("photos/brook_cascade_life.jpg", [250, 50, 600, 220], Moves),
     ("photos/candle_nokia.jpg", [430, 150, 500, 500], Moves),
@@ -270,7 +272,7 @@ const REGIONS: [(&str, [u32; 4], Fate); 62] = [
 #[test]
 #[cfg(feature = "os")]
 fn marked_regions_of_real_photos_move_or_stay() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
     if !folder.is_dir() {
         eprintln!("skipped: no photos at ../shared/data");
         return;

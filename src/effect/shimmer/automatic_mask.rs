@@ -3,23 +3,23 @@
 //! A rule made by hand, not a trained classifier; it knows colour, texture and place, and no thing by name. On a grid of at
 //! most 320 × 320 cells, whatever the panel:
 //!
-//! 1. *Features* ([`features`]), all box means: colour; fine and coarse texture of the luma; coherence and direction of the
+//! 1. *Features* (`features.rs`), all box means: colour; fine and coarse texture of the luma; coherence and direction of the
 //!    gradients (structure tensor, Förstner and Gülch 1987); how far they fall into two directions at right angles (their
 //!    fourth harmonic); how dark the surround is; and the sky, grown from the upper edge over smooth cells that are not green.
-//! 2. *The rule* ([`rule`]): a cell is as likely to move as the likeliest of six things, each a product of soft conditions.
+//! 2. *The rule* (`rule.rs`): a cell is as likely to move as the likeliest of six things, each a product of soft conditions.
 //!    Foliage is green with some texture. Dry grass, twigs and fur are yellowish brown with much texture; autumn leaves are
 //!    saturated red to yellow with texture; neither may be built (right angles), outlined (one direction) or woven. Water is
 //!    blue with texture, or grey with level streaks, and below if there is sky above. Falls and spray are pale or blue with
 //!    upright streaks. Flame is red to yellow, or white at its core, where much around is dark. Nothing else moves: skin and
 //!    walls are smooth, sky is sky, stone and snow are grey and without streaks.
 //! 3. *Gathering*: gaps inside what moves close, and specks with little of their kind around them go.
-//! 4. *Edges* ([`refine`]): a guided filter with the photo's luma as its guide, computed on the grid and applied at full size,
+//! 4. *Edges* (`refine.rs`): a guided filter with the photo's luma as its guide, computed on the grid and applied at full size,
 //!    then a contrast curve so that most pixels are plainly still or plainly moving.
 //!
-//! Where it fails: grey stone with streaks and blue far mountains without sky above them pass for water, blue clothes with
-//! folds for a fall, brown rough ground, ornate brown things
-//! and hair for dry grass, orange things in dark rooms for flames, rims of clouds for spray; smooth petals, leaves out of focus that are not green, smoke,
-//! grey fur, muddy water and the trunks within a crown are not told from what stands beside them. Paint a mask for those.
+//! Where it fails: grey stone with streaks, and blue far mountains without sky above them, pass for water; blue clothes with
+//! folds and the rims of clouds for spray; brown rough ground, rough wood and hair for dry grass; orange things in dark rooms
+//! for flames. Smooth petals, autumn leaves out of focus, smoke, grey fur, muddy water and the smooth core of a fall are
+//! missed; trunks and sky within a crown move with it. Paint a mask for those.
 
 mod features;
 mod grid;
