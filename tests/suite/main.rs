@@ -2,6 +2,7 @@
 
 mod display;
 mod logbook;
+mod mask;
 mod noise;
 #[cfg(feature = "os")]
 mod output;
