@@ -248,7 +248,7 @@ mod tests {
         let (mut worst, mut squares) = (0_f64, 0.0);
         for frame in 0..frames {
             let phase = Turns(frame.wrapping_mul(214_748_365 + 7_919));
-            let amplitude = Factor::from_bits(((frame * 37) % 101 << 28).wrapping_div(100) as i32);
+            let amplitude = Factor::from_bits((((frame * 37) % 101) << 28).wrapping_div(100) as i32);
             let amplitude = amplitude.clamp(Factor::ZERO, Factor::ONE);
             let drive = Drive { amplitude, frequency: Factor::ONE, phase, onset: Factor::ONE };
             let paint = if frame == 0 { Paint::Everything } else { Paint::Motion };
