@@ -11,6 +11,7 @@ pub mod photo;
 pub mod progress;
 mod run;
 mod scene;
+mod stdout;
 mod usage;
 #[cfg(feature = "window")]
 pub mod window;

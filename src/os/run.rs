@@ -6,6 +6,7 @@ use super::{
     panel::Panel,
     photo, render,
     scene::{self, Scene, Source},
+    stdout::print_line,
 };
 use crate::{
     app::{Request, Show, pace::Pace, playlist::Playlist},
@@ -16,7 +17,9 @@ use crate::{
 use clap::Parser;
 use std::{
     collections::HashSet,
-    fs,
+    fs::File,
+    io::Read,
+    path::Path,
     thread::sleep,
     time::{Duration, Instant},
 };
@@ -53,32 +56,32 @@ fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<()
     let mut playlist = Playlist::new(sources.len()).ok_or_else(|| {
         Failure::new("there is no photo in these folders; JPEG, PNG, WebP, GIF, BMP and TIFF files are shown")
     })?;
-    let text = match &args.script {
-        Some(path) => {
-            fs::read_to_string(path).map_err(|e| Failure::new(format!("{}: {e}", path.display())))?
-        }
-        None => String::new(),
-    };
-    let mut script = Script::parse(&text).map_err(|e| Failure::new(format!("the script: {e}")))?;
+    let path = args.script.as_deref();
+    let text = path.map_or(Ok(String::new()), read_script)?;
+    let refused = |error| Failure::new(format!("{}: {error}", path.unwrap_or(Path::new("")).display()));
+    let mut script = Script::parse(&text).map_err(refused)?;
     let interrupt = Interrupt::install()?;
     let life = scene::turned(args.look.life().at(args.fps), args.rotate);
     let mut show = Show::new(life.drive, args.fps, args.look.seed);
     let clock = Instant::now();
     let mut storage = Vec::new();
-    let mut bad = HashSet::new();
-    while bad.len() < sources.len() {
+    let mut told = HashSet::new();
+    let mut bad_in_a_row = 0;
+    while bad_in_a_row < sources.len() {
         let size = panel.mode().layout.size;
         let scene = match Scene::load(sources[playlist.current()], size, args.rotate, &args.look) {
             Ok(scene) => scene,
+            Err(failure) if sources.len() == 1 => return Err(failure),
             Err(failure) => {
-                if bad.insert(playlist.current()) {
+                bad_in_a_row += 1;
+                if told.insert(playlist.current()) {
                     log::warn!("skipped: {failure}");
                 }
                 playlist.skip();
                 continue;
             }
         };
-        bad.clear();
+        bad_in_a_row = 0;
         storage.resize(storage_len(size), 0);
         let mut shimmer = Shimmer::prepare(scene.photo(), &life.shimmer, &mut storage)?;
         show.restart();
@@ -100,16 +103,28 @@ fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<()
             Left::For(Request::NextPhoto) => playlist.next(),
             Left::For(Request::PreviousPhoto) => playlist.previous(),
             Left::For(Request::Quit) | Left::Display(DisplayError::Closed) => {
-                if let Some(report) = panel.report() {
-                    println!("{report}");
-                }
-                return Ok(());
+                return panel.report().map_or(Ok(()), print_line);
             }
             Left::Display(DisplayError::ModeChanged) => {}
             Left::Display(DisplayError::Lost) => sleep(LOST_DISPLAY_WAIT),
         }
     }
     Err(Failure::new("none of the photos can be shown"))
+}
+
+/// The most bytes of a script: a press a second for a week would fit.
+const LONGEST_SCRIPT: u64 = 16 << 20;
+
+/// The text of a script, of a file or of a pipe.
+fn read_script(path: &Path) -> Result<String, Failure> {
+    let refused = |why: &str| Failure::new(format!("{}: {why}", path.display()));
+    let mut bytes = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(LONGEST_SCRIPT + 1).read_to_end(&mut bytes));
+    read.map_err(|error| refused(&format!("the script cannot be read ({error}); name another file")))?;
+    if bytes.len() as u64 > LONGEST_SCRIPT {
+        return Err(refused("the script is over 16 MiB; make it shorter"));
+    }
+    String::from_utf8(bytes).map_err(|_| refused("the script is no text; save it as UTF-8"))
 }
 
 /// Takes all presses in; the first that asks for something ends the round.
