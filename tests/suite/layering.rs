@@ -126,25 +126,19 @@ fn end_of_quote(chars: &[char], start: usize) -> usize {
     }
 }
 
-/// Takes out what is compiled for tests only, and tells the modules among it that are files of their own.
-fn without_tests(tokens: &[Token]) -> (Vec<Token>, Vec<String>) {
-    let (mut kept, mut test_files, mut at) = (Vec::new(), Vec::new(), 0);
+/// Takes out what is compiled for tests only.
+fn without_tests(tokens: &[Token]) -> Vec<Token> {
     let cfg_test = self::tokens("#[cfg(test)]");
+    let (mut kept, mut at) = (Vec::new(), 0);
     while at < tokens.len() {
-        if !tokens[at..].starts_with(&cfg_test) {
+        if tokens[at..].starts_with(&cfg_test) {
+            at = end_of_item(tokens, at + cfg_test.len());
+        } else {
             kept.push(tokens[at].clone());
             at += 1;
-            continue;
         }
-        let end = end_of_item(tokens, at + cfg_test.len());
-        if let [.., Token::Word(module), Token::Word(name), Token::Sign(';')] = &tokens[at..end]
-            && module == "mod"
-        {
-            test_files.push(name.clone());
-        }
-        at = end;
     }
-    (kept, test_files)
+    kept
 }
 
 /// The end of an item: its `;` or the brace that closes it, whichever comes first.
@@ -224,7 +218,7 @@ fn resolve(path: &[String], module: &[String]) -> Vec<String> {
 /// What is wrong with the code of `module` outside its tests, a line each.
 fn faults(source: &str, module: &[String]) -> Vec<String> {
     let all = tokens(source);
-    let (code, _) = without_tests(&all);
+    let code = without_tests(&all);
     let Some(layer) = module.first().filter(|layer| *layer != "os") else { return Vec::new() };
     let mut faults = Vec::new();
     match ARROWS.iter().find(|(name, _)| name == layer) {
@@ -289,12 +283,12 @@ fn visit(module: Vec<String>, found: &mut Vec<(Vec<String>, String)>) {
     let Some(source) = files.iter().find_map(|file| fs::read_to_string(file).ok()) else {
         panic!("{} has no file", module.join("::"))
     };
-    let (code, _) = without_tests(&tokens(&source));
+    let code = without_tests(&tokens(&source));
     for three in code.windows(3) {
         if let [word, Token::Word(name), Token::Sign(';')] = three
             && word.is("mod")
         {
-            visit([&module[..], &[name.clone()]].concat(), found);
+            visit([&module[..], std::slice::from_ref(name)].concat(), found);
         }
     }
     found.push((module, source));
