@@ -7,6 +7,7 @@ pub mod args;
 pub mod interrupt;
 pub mod output;
 mod panel;
+mod panics;
 pub mod photo;
 pub mod progress;
 mod run;

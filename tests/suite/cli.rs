@@ -158,6 +158,22 @@ fn a_bad_photo_is_one_line_that_names_it_whatever_is_asked_for() {
 }
 
 #[test]
+fn photos_that_the_fuzzer_found_end_in_one_line() {
+    let folder = Folder::new();
+    let seeds = Path::new(env!("CARGO_MANIFEST_DIR")).join("tools/fuzz/seeds/photo");
+    for seed in fs::read_dir(seeds).expect("tools/fuzz/seeds/photo") {
+        let seed = seed.expect("a seed").path();
+        let photo = seed.to_str().expect("the name is text");
+        let (code, stdout, stderr) = run(&["render", photo, "--hash", "--size", "64x48", "--frames", "2"]);
+        match code {
+            Some(0) => assert_eq!(stdout.trim().len(), 64, "{photo}"),
+            Some(1) => check_line(&stderr, &[photo], &[photo]),
+            _ => panic!("{photo}: exit code {code:?}: {stderr}"),
+        }
+    }
+}
+
+#[test]
 fn a_photo_is_told_by_its_content_and_not_by_its_name() {
     let folder = Folder::new();
     let mislabelled = folder.photo("a.png");
