@@ -7,10 +7,12 @@ pub mod args;
 pub mod interrupt;
 pub mod output;
 mod panel;
+mod panics;
 pub mod photo;
 pub mod progress;
 mod run;
 mod scene;
+mod stdout;
 mod usage;
 #[cfg(feature = "window")]
 pub mod window;

@@ -143,3 +143,61 @@ fn paste(mask: &mut [u8], photo: &photo::Photo, part: &[u8]) {
         mask[row].copy_from_slice(part);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        effect::{
+            Effect, Paint,
+            shimmer::{Range, Shimmer, storage_len},
+        },
+        frame::{FrameMut, Layout, PixelFormat},
+        math::Factor,
+        noise::drive::Drive,
+    };
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Words {
+        #[command(flatten)]
+        look: Look,
+    }
+
+    /// The demo photo at a moment of its life on a panel that is mounted turned, seen upright.
+    fn upright(size: Size, rotation: Rotation, range: Range) -> Vec<[u8; 3]> {
+        let look = Words::parse_from(["", "--light", "20,35", "--wind", "65", "--strength", "1.5"]).look;
+        let mut life = turned(look.life(), rotation);
+        life.shimmer.range = range;
+        let panel = rotation.turned(size);
+        let scene = Scene::load(Source::Demo, panel, rotation, &look).unwrap();
+        let mut storage = vec![0; storage_len(panel)];
+        let mut shimmer = Shimmer::prepare(scene.photo(), &life.shimmer, &mut storage).unwrap();
+        let layout = Layout::new(panel, PixelFormat::Bgr888, None).unwrap();
+        let mut bytes = vec![0; layout.len_bytes()];
+        let drive = Drive {
+            amplitude: Factor::ONE,
+            frequency: Factor::ONE,
+            phase: Turns::from_degrees(110),
+            onset: Factor::ONE,
+        };
+        shimmer.render(drive, Paint::Everything, &mut FrameMut::new(&mut bytes, layout).unwrap());
+        let mut picture = vec![[0; 3]; panel.pixels()];
+        rotate(rotation.inverse(), bytes.as_chunks::<3>().0, panel, &mut picture);
+        picture
+    }
+
+    #[test]
+    fn light_and_wind_turn_with_the_picture() {
+        let size = Size::new(240, 131);
+        for &(name, range) in Range::NAMES {
+            let want = upright(size, Rotation::None, range);
+            for rotation in [Rotation::Quarter, Rotation::Half, Rotation::ThreeQuarter] {
+                let got = upright(size, rotation, range);
+                let worst =
+                    got.as_flattened().iter().zip(want.as_flattened()).map(|(a, b)| a.abs_diff(*b)).max();
+                assert!(worst <= Some(2), "{name} turned by {rotation}: {worst:?} levels from upright");
+            }
+        }
+    }
+}

@@ -1,6 +1,12 @@
 //! The integration tests: one binary, one module a theme.
 
+#[cfg(feature = "os")]
+mod cli;
+mod cross_geometry;
 mod display;
+#[cfg(feature = "os")]
+mod goldens;
+mod layering;
 mod logbook;
 mod mask;
 mod noise;
@@ -8,6 +14,8 @@ mod noise;
 mod output;
 #[cfg(feature = "os")]
 mod photo;
+mod show;
 mod spectrum;
+mod stage;
 #[cfg(feature = "window")]
 mod window;
