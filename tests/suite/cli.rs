@@ -159,7 +159,6 @@ fn a_bad_photo_is_one_line_that_names_it_whatever_is_asked_for() {
 
 #[test]
 fn photos_that_the_fuzzer_found_end_in_one_line() {
-    let folder = Folder::new();
     let seeds = Path::new(env!("CARGO_MANIFEST_DIR")).join("tools/fuzz/seeds/photo");
     for seed in fs::read_dir(seeds).expect("tools/fuzz/seeds/photo") {
         let seed = seed.expect("a seed").path();

@@ -98,7 +98,11 @@ fn heights(photo: Photo<'_>, settings: &Settings) -> [Plane; 3] {
                 };
                 one(0) + one(1)
             });
-            return [riesz, luma.map(|x, y| band.at(x, y)), luma.minus(&band)];
+            let even = luma.map(|x, y| 24.0 / (riesz.at(x, y).hypot(band.at(x, y)) + 12.0));
+            let quadrature = luma.map(|x, y| band.at(x, y) * even.at(x, y));
+            let centre =
+                luma.map(|x, y| (luma.at(x, y) - quadrature.at(x, y)).clamp(-256.0, 32_767.0 / 128.0));
+            return [luma.map(|x, y| riesz.at(x, y) * even.at(x, y)), quadrature, centre];
         }
     };
     let quadrature = luma.minus(&centre);
@@ -210,7 +214,7 @@ mod tests {
     fn settings() -> impl Strategy<Value = Settings> {
         let range = prop_oneof![Just(Range::Full), Just(Range::Neighbourhood), Just(Range::Travelling)];
         let branch = prop_oneof![Just(Branch::Rising), Just(Branch::Falling)];
-        (range, branch, 0..360, 20..90, 0..360, 1..20_i32, 1..10_i32).prop_map(
+        (range, branch, 0..360, 20..90, 0..360, 1..20_i32, 1..13_i32).prop_map(
             |(range, branch, azimuth, elevation, wind, relief, strength)| Settings {
                 range,
                 branch,
@@ -244,7 +248,7 @@ mod tests {
         let (mut worst, mut squares) = (0_f64, 0.0);
         for frame in 0..frames {
             let phase = Turns(frame.wrapping_mul(214_748_365 + 7_919));
-            let amplitude = Factor::from_bits(((frame * 37) % 101 << 28).wrapping_div(100) as i32);
+            let amplitude = Factor::from_bits((((frame * 37) % 101) << 28).wrapping_div(100) as i32);
             let amplitude = amplitude.clamp(Factor::ZERO, Factor::ONE);
             let drive = Drive { amplitude, frequency: Factor::ONE, phase, onset: Factor::ONE };
             let paint = if frame == 0 { Paint::Everything } else { Paint::Motion };
