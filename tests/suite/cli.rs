@@ -132,7 +132,7 @@ fn bad_photos(folder: &Folder) -> Vec<(String, &'static str)> {
         (folder.write("flat.png", &png_header(0, 100)), "again"),
     ];
     let locked = folder.photo("locked.jpg");
-    fs::set_permissions(&locked, fs::Permissions::from_mode(0)).expect("the file is ours");
+    fs::set_permissions(&locked, fs::Permissions::from_mode(0o000)).expect("the file is ours");
     if is_protected(&locked) {
         bad.push((locked, "may not be read"));
     } else {
