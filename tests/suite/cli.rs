@@ -304,6 +304,27 @@ fn a_full_disk_is_one_line_and_no_panic_wherever_it_hits() {
     }
 }
 
+#[test]
+fn a_film_that_finds_no_room_half_way_leaves_no_file() {
+    let folder = Folder::new();
+    let photo = folder.photo("a.jpg");
+    // The shell lets the system refuse what goes beyond 8 blocks of a file, instead of ending the program.
+    let limited = |out: &str| {
+        Command::new("sh")
+            .args(["-c", "trap '' XFSZ; ulimit -f 8; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_yurameki")])
+            .args(["render", &photo, "--out", out, "--size", "160x120", "--frames", "20", "--mask", "none"])
+            .output()
+            .expect("the shell starts")
+    };
+    for name in ["o.png", "o.gif", "o.webp", "o.y4m", "folder"] {
+        let (out, before) = (folder.path(name), folder.names());
+        let (code, _, stderr) = outcome(&limited(&out));
+        assert_eq!(code, Some(1), "{name}: {stderr}");
+        check_line(&stderr, &[name], &[&out, "cannot be written"]);
+        assert_eq!(folder.names(), before, "{name}");
+    }
+}
+
 /// Runs the program and closes its standard output once `bytes` have come.
 fn closed_early(words: &[&str], bytes: usize) -> (Option<i32>, String) {
     let mut child =
