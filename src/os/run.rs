@@ -26,7 +26,7 @@ use std::{
 
 /// Without any argument: the demo photo in a window, or, where no window opens, in a file.
 pub(super) fn demo() -> Result<(), Failure> {
-    let args = args::Args::parse_from(["yurameki", "run", "demo", "--display", "window"]);
+    let args = args::Args::parse_from(["yurameki", "run", "--display", "window"]);
     let Some(args::Command::Run(args)) = args.command else { unreachable!("`run` was asked for") };
     match Panel::open(args.display, args.fps) {
         Ok(panel) => show(&args, &[Source::Demo], panel),
@@ -39,7 +39,10 @@ pub(super) fn demo() -> Result<(), Failure> {
 
 pub(super) fn run(args: &args::Run) -> Result<(), Failure> {
     let files = photo::list(&args.photos)?;
-    let sources: Vec<Source<'_>> = files.iter().map(|path| Source::File(path)).collect();
+    let mut sources: Vec<Source<'_>> = files.iter().map(|path| Source::File(path)).collect();
+    if args.photos.is_empty() {
+        sources.push(Source::Demo);
+    }
     show(args, &sources, Panel::open(args.display, args.fps)?)
 }
 

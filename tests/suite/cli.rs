@@ -242,7 +242,6 @@ fn what_cannot_be_is_refused_as_misuse() {
     is_misused(&["render", "a.jpg", "--hash", "--fps", "61"], &["--fps"]);
     is_misused(&["run", "a.jpg", "--fps", "11"], &["--fps"]);
     is_misused(&["run", "a.jpg", "--rotate", "45"], &["90", "180", "270"]);
-    is_misused(&["run"], &["PHOTOS"]);
     is_misused(&["render", "a.jpg"], &["--out"]);
     is_misused(&["render", "a.jpg", "--out", "o.jpeg"], &["o.jpeg", ".apng", ".gif", ".webp", ".y4m"]);
     is_misused(&["mask", "a.jpg", "--out", "o.gif"], &["o.gif", ".png"]);
@@ -415,6 +414,13 @@ fn a_simulated_panel_reports_what_it_has_seen() {
             }
         }
     }
+}
+
+#[test]
+fn without_a_photo_the_demo_is_shown() {
+    let (code, stdout, stderr) = run(&["run", "--display", "sim:64x48", "--frames", "3", "--fps", "60"]);
+    assert_eq!((code, &*stderr), (Some(0), ""));
+    assert!(stdout.starts_with("3 frames, "), "{stdout}");
 }
 
 #[test]
