@@ -132,7 +132,7 @@ fn bad_photos(folder: &Folder) -> Vec<(String, &'static str)> {
         (folder.write("flat.png", &png_header(0, 100)), "again"),
     ];
     let locked = folder.photo("locked.jpg");
-    fs::set_permissions(&locked, fs::Permissions::from_mode(0)).expect("the file is ours");
+    fs::set_permissions(&locked, fs::Permissions::from_mode(0o000)).expect("the file is ours");
     if is_protected(&locked) {
         bad.push((locked, "may not be read"));
     } else {
@@ -303,6 +303,27 @@ fn a_full_disk_is_one_line_and_no_panic_wherever_it_hits() {
     }
 }
 
+#[test]
+fn a_film_that_finds_no_room_half_way_leaves_no_file() {
+    let folder = Folder::new();
+    let photo = folder.photo("a.jpg");
+    // The shell lets the system refuse what goes beyond 8 blocks of a file, instead of ending the program.
+    let limited = |out: &str| {
+        Command::new("sh")
+            .args(["-c", "trap '' XFSZ; ulimit -f 8; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_yurameki")])
+            .args(["render", &photo, "--out", out, "--size", "160x120", "--frames", "20", "--mask", "none"])
+            .output()
+            .expect("the shell starts")
+    };
+    for name in ["o.png", "o.gif", "o.webp", "o.y4m", "folder"] {
+        let (out, before) = (folder.path(name), folder.names());
+        let (code, _, stderr) = outcome(&limited(&out));
+        assert_eq!(code, Some(1), "{name}: {stderr}");
+        check_line(&stderr, &[name], &[&out, "cannot be written"]);
+        assert_eq!(folder.names(), before, "{name}");
+    }
+}
+
 /// Runs the program and closes its standard output once `bytes` have come.
 fn closed_early(words: &[&str], bytes: usize) -> (Option<i32>, String) {
     let mut child =
@@ -393,6 +414,13 @@ fn a_simulated_panel_reports_what_it_has_seen() {
             }
         }
     }
+}
+
+#[test]
+fn without_a_photo_the_demo_is_shown() {
+    let (code, stdout, stderr) = run(&["run", "--display", "sim:64x48", "--frames", "3", "--fps", "60"]);
+    assert_eq!((code, &*stderr), (Some(0), ""));
+    assert!(stdout.starts_with("3 frames, "), "{stdout}");
 }
 
 #[test]

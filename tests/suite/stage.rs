@@ -1,6 +1,5 @@
 //! A small photo made of integers, the demo photo, and shows of them.
 
-use std::{fs, path::Path};
 use yurameki::{
     app::Show,
     config::Life,
@@ -40,9 +39,10 @@ impl Still {
     #[cfg(feature = "os")]
     pub(crate) fn demo(size: Size) -> Self {
         use yurameki::os::photo::{Fit, Options, from_bytes};
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/demo.jpg");
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/demo.jpg");
         let options = Options { fit: Fit::Fill, ..Options::new(size) };
-        let photo = from_bytes("demo.jpg", &fs::read(file).expect("demo.jpg"), &options).expect("a photo");
+        let photo =
+            from_bytes("demo.jpg", &std::fs::read(file).expect("demo.jpg"), &options).expect("a photo");
         Self { size, rgb: photo.rgb, mask: vec![255; size.pixels()] }
     }
 

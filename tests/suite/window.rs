@@ -314,13 +314,12 @@ impl Desk {
 }
 
 #[test]
-fn the_program_shows_a_photo_in_a_window() {
+fn the_program_shows_its_demo_in_a_window() {
     let Some(server) = XServer::start() else { return };
     let (desk, _) = RustConnection::connect(Some(&server.name)).expect("Xvfb answers");
     let desk = Desk { desk };
     let mut program = Command::new(env!("CARGO_BIN_EXE_yurameki"))
-        .args(["run", concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/demo.jpg")])
-        .args(["--display", "window", "--frames", "60", "--fps", "60"])
+        .args(["run", "--display", "window", "--frames", "60", "--fps", "60"])
         .env("DISPLAY", &server.name)
         .env_remove("WAYLAND_DISPLAY")
         .env_remove("WAYLAND_SOCKET")
