@@ -251,7 +251,11 @@ impl FromStr for MaskChoice {
     }
 }
 
-fn size(word: &str) -> Result<Size, String> {
+/// Reads a size as people type it: WIDTHxHEIGHT.
+///
+/// # Errors
+/// Anything else; one line that says what a size is.
+pub fn size(word: &str) -> Result<Size, String> {
     let form = "a size is WIDTHxHEIGHT in pixels, each 1 to 16384, like 1024x600";
     let (width, height) = word.split_once(['x', 'X', '×']).ok_or(form)?;
     let side =

@@ -10,7 +10,7 @@ mod panel;
 pub mod photo;
 pub mod progress;
 mod run;
-mod scene;
+pub mod scene;
 mod usage;
 #[cfg(feature = "window")]
 pub mod window;
