@@ -7,7 +7,7 @@ use crate::{
     Failure, Out,
     film::{Film, Showing, Subject},
 };
-use clap::ValueEnum;
+use clap::{ValueEnum, error::ErrorKind};
 use std::path::Path;
 use yurameki::{
     config::{DEFAULT_FRAMES_PER_SECOND, Life},
@@ -26,7 +26,7 @@ pub(crate) struct Args {
     #[command(flatten)]
     out: Out,
     /// The kind of file.
-    #[arg(long, value_name = "FORMAT", default_value = "webp")]
+    #[arg(long, value_name = "FORMAT", default_value = "gif")]
     format: Format,
     /// Make one combination only, like brown/brown. --amplitude and --frequency alone choose a row or a column of Table 2.
     #[arg(long, value_name = "AMPLITUDE/FREQUENCY", value_parser = cell, conflicts_with_all = ["amplitude", "frequency"])]
@@ -43,31 +43,34 @@ pub(crate) struct Args {
 
 impl Args {
     /// The combinations asked for.
-    fn cells(&self) -> Result<Vec<Cell>, Failure> {
+    ///
+    /// # Errors
+    /// None is left: a [`clap::Error`].
+    fn cells(&self) -> Result<Vec<Cell>, clap::Error> {
         if let Some(cell) = self.only {
             return Ok(vec![cell]);
         }
         let look = &self.subject.look;
-        let asked = |wanted: Option<Kind>, kind| wanted.is_none_or(|wanted| wanted == kind);
-        let cells: Vec<Cell> =
-            cells().filter(|cell| asked(look.amplitude, cell.0) && asked(look.frequency, cell.1)).collect();
+        let wanted = |kind: Option<Kind>| kind.map_or_else(|| Kind::CHOICES.to_vec(), |kind| vec![kind]);
+        let cells = product(&wanted(look.amplitude), &wanted(look.frequency));
         if cells.is_empty() {
-            return Err("no clip of Table 2 has these noises; name another combination by --only".into());
+            Err(clap::Error::raw(ErrorKind::ValueValidation, IS_NOISELESS))
+        } else {
+            Ok(cells)
         }
-        Ok(cells)
     }
 }
 
 /// The kinds of file that hold a whole clip.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Format {
-    /// Lossless WebP: exact, and shown by every browser.
-    Webp,
-    /// GIF: 256 colours.
+    /// GIF: 256 colours, dithered; about 60 MB a clip of the built-in photo.
     Gif,
-    /// APNG: exact, larger than WebP.
+    /// Lossless WebP: exact; about 250 MB.
+    Webp,
+    /// APNG: exact; about 280 MB.
     Apng,
-    /// Raw frames for video encoders: exact in luma, very large.
+    /// Y4M: raw YCbCr 4:4:4 for video encoders; about 510 MB.
     Y4m,
 }
 
@@ -88,10 +91,17 @@ type Cell = (Kind, Kind);
 /// The cell in which nothing is noisy: what all others are compared with.
 const NOISELESS: Cell = (Kind::Constant, Kind::Constant);
 
+const IS_NOISELESS: &str = "constant/constant is the noiseless film itself; name another combination\n";
+
 /// The cells that were judged, row by row: all 25 but the noiseless one.
-pub(crate) fn cells() -> impl Iterator<Item = Cell> {
-    let all = Kind::CHOICES.into_iter().flat_map(|row| Kind::CHOICES.map(|column| (row, column)));
-    all.filter(|&cell| cell != NOISELESS)
+pub(crate) fn cells() -> Vec<Cell> {
+    product(&Kind::CHOICES, &Kind::CHOICES)
+}
+
+/// All cells in these rows and columns but the noiseless one.
+fn product(amplitudes: &[Kind], frequencies: &[Kind]) -> Vec<Cell> {
+    let row = |&amplitude: &Kind| frequencies.iter().map(move |&frequency| (amplitude, frequency));
+    amplitudes.iter().flat_map(row).filter(|&cell| cell != NOISELESS).collect()
 }
 
 fn cell(words: &str) -> Result<Cell, String> {
@@ -99,7 +109,7 @@ fn cell(words: &str) -> Result<Cell, String> {
         words.split_once('/').ok_or("a combination is AMPLITUDE/FREQUENCY, like brown/brown")?;
     let kind = |word: &str| word.parse().map_err(|error| format!("{word}: {error}"));
     let cell = (kind(amplitude)?, kind(frequency)?);
-    if cell == NOISELESS { Err("constant/constant is the noiseless film itself".into()) } else { Ok(cell) }
+    if cell == NOISELESS { Err(IS_NOISELESS.into()) } else { Ok(cell) }
 }
 
 /// What is seen in turn.
@@ -234,8 +244,8 @@ mod tests {
 
     #[test]
     fn table_2_has_24_cells() {
-        assert_eq!(cells().count(), 24);
-        assert_eq!(cells().next(), Some((Kind::Constant, Kind::White)));
+        assert_eq!(cells().len(), 24);
+        assert_eq!(cells()[0], (Kind::Constant, Kind::White));
     }
 
     #[test]
@@ -265,7 +275,8 @@ mod tests {
         let cells = |words: &[&str]| args(words).unwrap().cells();
         assert_eq!(cells(&["--amplitude", "brown"]).unwrap().len(), 5);
         assert_eq!(cells(&["--frequency", "constant"]).unwrap().len(), 4);
-        assert!(cells(&["--amplitude", "hosoda"]).is_err());
+        assert_eq!(cells(&["--amplitude", "hosoda"]).unwrap().len(), 5);
+        assert!(cells(&["--amplitude", "constant", "--frequency", "constant"]).is_err());
     }
 
     #[test]

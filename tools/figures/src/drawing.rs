@@ -46,6 +46,25 @@ pub(crate) const fn text(height: u32) -> (&'static str, u32) {
     ("sans-serif", height)
 }
 
+/// Writes in a row what lines mean, each with a piece of its line, and returns the area below.
+pub(crate) fn legend_row<'a>(
+    area: &Area<'a>,
+    entries: impl IntoIterator<Item = (String, ShapeStyle)>,
+) -> Result<Area<'a>, Failure> {
+    let gap = TEXT as i32;
+    let (row, below) = area.split_vertically(2 * TEXT);
+    let mut x = LEFT as i32;
+    for (words, style) in entries {
+        row.draw(&PathElement::new([(x, gap), (x + 2 * gap, gap)], style))?;
+        x += 5 * gap / 2;
+        // The letters stand above the middle of their box.
+        row.draw(&Text::new(words.clone(), (x, gap * 7 / 10), text(TEXT)))?;
+        let (width, _) = row.estimate_text_size(&words, &TextStyle::from(text(TEXT)))?;
+        x += width as i32 + 2 * gap;
+    }
+    Ok(below)
+}
+
 /// Draws a figure of `width` × `height` pixels on white, by `paint`, and writes it to the PNG file at `path`.
 pub(crate) fn draw(
     path: &Path,

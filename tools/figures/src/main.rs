@@ -44,10 +44,15 @@ struct Args {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Draw Fig. 3 (two frames and their difference), Fig. 4 (A(t)) and Fig. 5 (H(t)).
+    ///
+    /// Fig. 3 shows the photo with 1/f noise by filter on amplitude and frequency, unless others are named, and with the paper's
+    /// full range, unless another is. Of all options but --seed, Fig. 4 and 5 take no notice: they show what the paper's do.
     Paper(paper::Args),
     /// Draw the power spectrum of every noise with its fitted line, and print the slopes.
     Spectra(spectra::Args),
     /// Make the clips of Table 2: noiseless, grey, noisy, grey, twice.
+    ///
+    /// The photo moves over the paper's full range, unless another --range or --preset is named.
     Clips(clips::Args),
     /// Write rating sheets for the clips, and sum up filled ones.
     #[command(subcommand)]
@@ -85,10 +90,13 @@ fn main() -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            eprintln!("yurameki-figures: {failure}");
-            ExitCode::FAILURE
-        }
+        Err(failure) => match failure.downcast::<clap::Error>() {
+            Ok(usage) => usage.exit(),
+            Err(failure) => {
+                eprintln!("yurameki-figures: {failure}");
+                ExitCode::FAILURE
+            }
+        },
     }
 }
 

@@ -6,10 +6,13 @@ use crate::{
     spectrum::{BAND, LOG2_SEGMENT, Line, Point, Spectrum},
 };
 use plotters::{chart::ChartContext, coord::combinators::LogCoord, prelude::*};
-use std::{iter, ops::Range, path::Path};
+use std::{f64::consts::TAU, iter, ops::Range, path::Path};
 use yurameki::{
     math::random::{Stream, stream},
-    noise::{Generator, Kind, brown::Brown},
+    noise::{
+        Generator, Kind,
+        brown::{Brown, USUAL_LEAK},
+    },
 };
 
 /// Arguments of `spectra`.
@@ -101,6 +104,11 @@ pub(crate) fn draw(args: &Args) -> Result<(), Failure> {
             all.push((name, spectrum, line));
         }
     }
+    println!(
+        "brown is flat below {:.1e} cycles a frame, for it forgets within 2^{USUAL_LEAK} frames; \
+         brown-leak-15 is the same with 2^15",
+        1. / (TAU * f64::from(1_u32 << USUAL_LEAK))
+    );
     for (name, spectrum, line) in &all {
         draw_one(&folder.join(format!("spectrum-{name}.png")), name, spectrum, line)?;
     }

@@ -19,11 +19,11 @@ const FRAMES: [u32; 2] = [60, 66];
 /// The part that is shown, at most.
 const PART: Size = Size::new(160, 120);
 
-/// How many pixels of the figure a pixel of the photo becomes, in each direction.
-const MAGNIFICATION: u32 = 4;
+/// How wide the part becomes in the figure, in pixels: four times as wide, or more where the photo is small.
+const MAGNIFIED_WIDTH: u32 = 4 * PART.width;
 
-/// The room for the scale of the difference, in pixels of the figure.
-const SCALE: u32 = 150;
+/// The room for the scale of the difference.
+const SCALE: u32 = LEFT + 3 * TEXT;
 
 pub(super) fn draw(path: &Path, subject: &Subject) -> Result<(), Failure> {
     let scene = subject.load()?;
@@ -107,13 +107,15 @@ fn figure(path: &Path, first: &Picture, second: &Picture, part: Rect) -> Result<
     let limit = (differences[differences.len() * 199 / 200].max(1.) / 5.).ceil() * 5.;
     let rgb = |[r, g, b]: [u8; 3]| RGBColor(r, g, b);
 
-    let room = |pixels: u32| pixels * MAGNIFICATION * OVERSAMPLING;
+    let magnification = MAGNIFIED_WIDTH / width;
+    let room = |pixels: u32| pixels * magnification * OVERSAMPLING;
     let panel = (room(width) + LEFT + 2 * TEXT, room(height) + BELOW + TITLE * 2 + TEXT);
-    let whole = ((3 * panel.0) / OVERSAMPLING + SCALE, panel.1 / OVERSAMPLING);
-    drawing::draw(path, whole, |area| {
-        let (a, rest) = area.split_horizontally(panel.0);
-        let (b, rest) = rest.split_horizontally(panel.0);
-        let (c, scale) = rest.split_horizontally(panel.0);
+    let whole = [2 * panel.0, 2 * panel.1].map(|side| side / OVERSAMPLING);
+    drawing::draw(path, whole.into(), |area| {
+        let (above, below) = area.split_vertically(panel.1);
+        let (a, b) = above.split_horizontally(panel.0);
+        let (c, rest) = below.split_horizontally(panel.0);
+        let (scale, _) = rest.split_horizontally(SCALE);
         let [at_a, at_b] = FRAMES.map(seconds);
         magnified(&a, &format!("(a) t = {at_a:.1} s"), part, |x, y| rgb(first.at(x, y)))?;
         magnified(&b, &format!("(b) t = {at_b:.1} s"), part, |x, y| rgb(second.at(x, y)))?;
@@ -174,7 +176,9 @@ fn colour_scale(area: &Area<'_>, limit: f64) -> Result<(), Failure> {
         .disable_x_axis()
         .y_desc("difference (levels)")
         .y_labels(5)
-        .y_label_formatter(&|y| format!("{y:+.0}"))
+        .y_label_formatter(&|y| {
+            if *y == 0. { "0".to_owned() } else { format!("{y:+.0}").replace('-', "−") }
+        })
         .label_style(text(TEXT))
         .axis_desc_style(text(TEXT))
         .axis_style(FAINT)

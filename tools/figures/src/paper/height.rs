@@ -4,7 +4,7 @@
 use super::{HALF_RANGE, axes, seconds};
 use crate::{
     Failure,
-    drawing::{self, BELOW, COLOURS, FAINT, LINE, TEXT, text},
+    drawing::{self, BELOW, COLOURS, FAINT, LINE},
 };
 use plotters::prelude::*;
 use std::path::Path;
@@ -18,28 +18,16 @@ const FRAMES: u32 = 360;
 
 pub(super) fn draw(path: &Path, seed: u64) -> Result<(), Failure> {
     drawing::draw(path, (1400, 460), |area| {
-        // Room for the legend above the curve.
-        let levels = (0., 330.);
-        let mut chart = axes(area, seconds(FRAMES), levels, ("time t (s)", "H(t) (levels)"), BELOW)?;
         let lines = [
-            (Kind::Constant, "no noise", ShapeStyle::from(FAINT).stroke_width(LINE / 2)),
-            (Kind::Filter, "1/f noise by digital filter", ShapeStyle::from(COLOURS[1]).stroke_width(LINE)),
+            (Kind::Constant, "no noise", FAINT.stroke_width(LINE / 2)),
+            (Kind::Filter, "1/f noise by digital filter", COLOURS[1].stroke_width(LINE)),
         ];
-        for (kind, label, line) in lines {
-            chart
-                .draw_series(LineSeries::new(height(kind, seed), line))?
-                .label(label)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + TEXT as i32 * 2, y)], line));
+        let below = drawing::legend_row(area, lines.map(|(_, words, style)| (words.to_owned(), style)))?;
+        let levels = (0., 2. * HALF_RANGE);
+        let mut chart = axes(&below, seconds(FRAMES), levels, ("time t (s)", "H(t) (levels)"), BELOW)?;
+        for (kind, _, style) in lines {
+            chart.draw_series(LineSeries::new(height(kind, seed), style))?;
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .legend_area_size(TEXT * 5 / 2)
-            .margin(TEXT / 4)
-            .label_font(text(TEXT))
-            .background_style(WHITE.mix(0.9))
-            .border_style(FAINT)
-            .draw()?;
         Ok(())
     })
 }

@@ -92,7 +92,7 @@ fn rating(record: &StringRecord, place: &str) -> Result<Option<Rating>, String> 
     };
     let kind = |word: &str| word.parse::<Kind>().map_err(|error| format!("{word:?}: {error}"));
     let cell = (kind(amplitude)?, kind(frequency)?);
-    if !clips::cells().any(|known| known == cell) {
+    if !clips::cells().contains(&cell) {
         return Err(format!("{amplitude}/{frequency} is no clip of Table 2; remove the row"));
     }
     if score.is_empty() {
