@@ -4,8 +4,10 @@
 //! Everything is integer arithmetic, so that results are identical on every machine.
 
 pub mod random;
+mod root;
 mod turns;
 
+pub(crate) use root::sqrt;
 pub use turns::Turns;
 
 /// A noise sample, and every state it is made of: of the order of one, in steps of 2^-40. A leak over 2^16 frames then errs by

@@ -53,3 +53,45 @@ impl Literal {
         Sample::from_bits(self.sum)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        math::random::{Stream, stream},
+        noise::reference::{self, Comparison, Linear as _},
+    };
+
+    fn is_its_twin<const LEAK: u32, const TWIN: i32>() {
+        let (mut rng, mut words) = (stream(1, Stream::Amplitude), stream(1, Stream::Amplitude));
+        let mut brown = Brown::<LEAK>::new(&mut rng);
+        let mut twin = reference::Brown::<TWIN> { sum: reference::white(&mut words) };
+        let mut comparison = Comparison::default();
+        for _ in 0..1 << 22 {
+            comparison.add(brown.step(&mut rng), twin.step(reference::white(&mut words)));
+        }
+        comparison.check("brown");
+    }
+
+    #[test]
+    fn brown_noise_is_its_twin() {
+        is_its_twin::<USUAL_LEAK, 9>();
+        is_its_twin::<15, 15>();
+    }
+
+    #[test]
+    fn sigma_is_as_stated() {
+        let sigma = reference::sigma::<reference::Brown<9>, 1>();
+        assert!((sigma - 1.000_5).abs() < 5e-5, "{sigma}");
+    }
+
+    #[test]
+    fn the_literal_sum_is_exact() {
+        let (mut rng, mut words) = (stream(1, Stream::Amplitude), stream(1, Stream::Amplitude));
+        let (mut brown, mut sum) = (Literal::default(), 0.);
+        for _ in 0..100_000 {
+            sum += reference::white(&mut words) / 16.;
+            assert_eq!(brown.step(&mut rng).to_num::<f64>(), sum);
+        }
+    }
+}

@@ -9,7 +9,7 @@
 //! number of values ends in a short cycle; 4) the sample is √N: N itself spends so little of its power on the creep that its
 //! spectral slope is 0.81, that of its root, along the same orbit, is 1.
 
-use crate::math::{Sample, random::Rng};
+use crate::math::{Sample, random::Rng, sqrt};
 use rand::Rng as _;
 
 /// 1/2, where the map folds, as a fraction of 64 bits.
@@ -101,7 +101,7 @@ impl Chaos {
         };
         const LEAST: u64 = 1 << (64 - LEAST_BITS);
         self.state = if next < LEAST { LEAST + (random << 1 >> LEAST_BITS) } else { next };
-        Sample::from_bits((self.state.isqrt() << (Sample::FRAC_NBITS - 32)) as i64)
+        Sample::from_bits((sqrt(self.state) >> (63 - Sample::FRAC_NBITS)) as i64)
     }
 }
 
@@ -141,5 +141,106 @@ impl Literal {
             HALF..=Self::ONE => (state - HALF) * 2,
             _ => 0,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        math::random::{Stream, stream},
+        noise::reference::{self, Comparison, check_table},
+    };
+
+    fn fraction(bits: u64) -> f64 {
+        bits as f64 / 2_f64.powi(64)
+    }
+
+    #[test]
+    fn the_tables_are_powers() {
+        let halvings = (0..33).map(|k| 2_f64.powf(f64::from(k) / 100.));
+        check_table(HALVINGS.map(i64::from), halvings, 31, 1e-4);
+        // 1 − m^-0.01 by expm1, for m^-0.01 is close to 1.
+        let within_octave = (0..129).map(|j| -f64::exp_m1(-0.01 * (f64::from(j) / 128.).ln_1p()));
+        check_table(WITHIN_OCTAVE.map(i64::from), within_octave, 38, 1e-4);
+    }
+
+    #[test]
+    fn growth_is_within_the_stated_error() {
+        let mut rng = stream(1, Stream::Amplitude);
+        for _ in 0..1_000_000 {
+            let x = (rng.next_u64() | FOLD) >> (1 + rng.next_u64() % 14);
+            for (hundredths, u) in [(0, 2_f64.powf(0.99)), (1, 2.)] {
+                let exact = reference::growth(fraction(x), u);
+                let error = fraction(growth(x, hundredths)) / exact - 1.;
+                assert!(error.abs() < 8e-8, "{x:#x}: {error:e}");
+            }
+        }
+        assert_eq!(growth(1, 0), 0);
+    }
+
+    /// Chaos makes any two orbits part: the twin follows frame by frame, from where the integers are.
+    #[test]
+    fn chaos_is_its_twin() {
+        let mut rng = stream(1, Stream::Amplitude);
+        let mut words = rng.clone();
+        let mut chaos = Chaos::new(&mut rng);
+        let _ = [words.next_u64(), words.next_u64()];
+        let mut comparison = Comparison::default();
+        for _ in 0..1 << 22 {
+            let (before, random) = (fraction(chaos.state), words.next_u64());
+            let next = if before < 0.5 {
+                before + reference::growth(before, 2_f64.powf(0.99)) + fraction(random >> 48)
+            } else {
+                2. * before - 1. + fraction(random >> 63)
+            };
+            let least = 2_f64.powi(-14);
+            let next = if next < least { least + fraction(random << 1) * least } else { next };
+            comparison.add(chaos.step(&mut rng), next.sqrt());
+        }
+        comparison.check("chaos");
+    }
+
+    #[test]
+    fn chaos_leaves_even_the_ends_of_its_range() {
+        for state in [0, 1, FOLD - 1, FOLD, u64::MAX] {
+            let mut rng = stream(1, Stream::Amplitude);
+            let mut chaos = Chaos { state };
+            let samples: Vec<_> = (0..20_000).map(|_| chaos.step(&mut rng)).collect();
+            assert!(samples.iter().any(|&sample| sample < Sample::FRAC_1_SQRT_2), "from {state:#x}");
+            assert!(samples.iter().any(|&sample| sample > Sample::FRAC_1_SQRT_2), "from {state:#x}");
+        }
+    }
+
+    #[test]
+    fn the_mean_and_sigma_are_as_stated() {
+        let mut rng = stream(1, Stream::Amplitude);
+        let mut chaos = Chaos::new(&mut rng);
+        let (mut sum, mut squares, n) = (0., 0., f64::from(1 << 24));
+        for _ in 0..1 << 24 {
+            let sample = chaos.step(&mut rng).to_num::<f64>();
+            sum += sample;
+            squares += sample * sample;
+        }
+        let mean = sum / n;
+        let sigma = (squares / n - mean * mean).sqrt();
+        assert!((mean - Chaos::MEAN.to_num::<f64>()).abs() < 0.005, "{mean}");
+        assert!((sigma * Chaos::PER_SIGMA.to_num::<f64>() - 1.).abs() < 0.005, "{sigma}");
+    }
+
+    #[test]
+    fn the_literal_map_is_eq_9() {
+        let value = |state: u64| state as f64 / Literal::ONE as f64;
+        let mut rng = stream(1, Stream::Amplitude);
+        for _ in 0..100_000 {
+            let state = rng.next_u64() >> 1;
+            let n = value(state);
+            let exact = if n < 0.5 { n + reference::growth(n, 2.) } else { 2. * n - 1. };
+            assert!((value(Literal::after(state)) - exact).abs() < 1e-7, "{n}");
+        }
+        assert_eq!(Literal::after(Literal::ONE / 2), 0);
+        assert_eq!(Literal::after(Literal::ONE), Literal::ONE);
+        assert_eq!(Literal::after(Literal::ONE + 1), 0);
+        assert!(Literal::after(Literal::ONE / 2 - 1) > Literal::ONE);
     }
 }

@@ -68,7 +68,8 @@ impl Default for Settings {
     }
 }
 
-/// The source of drives: two noises and a phase. Costs a few hundred instructions a frame whatever the settings.
+/// The source of drives: two noises and a phase. A step takes 140 to 450 instructions, by the noises; a change of noise takes one
+/// step for each frame that the response lasts. It fills 4.4 KB, nearly all of it the memory of the response.
 #[derive(Clone, Debug)]
 pub struct Oscillator {
     amplitude: Amplitude,

@@ -62,3 +62,75 @@ impl Filter {
         Sample::from_bits(sample)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        math::random::{Stream, stream},
+        noise::reference::{self, Comparison, Linear as _, check_table},
+    };
+
+    #[test]
+    fn the_tables_are_those_of_the_fit() {
+        let twin = reference::Filter::default();
+        check_table(DIRECT, twin.direct, 23, 0.);
+        check_table(WEIGHTS, twin.weights, 23, 0.);
+        let start = reference::cholesky(reference::covariance::<reference::Filter, POLES>());
+        check_table(START.map(i64::from), start, 24, 1.);
+        let sigma = reference::sigma::<reference::Filter, POLES>();
+        assert!((sigma - 1.).abs() < 1e-6, "sigma {sigma}");
+    }
+
+    #[test]
+    fn the_power_is_one_over_f_within_the_stated_ripple() {
+        use std::f64::consts::TAU;
+        let twin = reference::Filter::default();
+        // |H(f)|²·f in decibels, where z^-1 = (cos ω, −sin ω).
+        let level = |frequency: f64| {
+            let (sin, cos) = (TAU * frequency).sin_cos();
+            let mut h = (twin.direct[0] + twin.direct[1] * cos, -twin.direct[1] * sin);
+            for (i, weight) in twin.weights.into_iter().enumerate() {
+                let a = 1. - 0.25_f64.powi(i as i32 + 1);
+                let (re, im) = (1. - a * cos, a * sin);
+                let scale = weight / (re * re + im * im);
+                h = (h.0 + scale * re, h.1 - scale * im);
+            }
+            10. * ((h.0 * h.0 + h.1 * h.1) * frequency).log10()
+        };
+        let levels = (0..=2000).map(|i| level(1e-5 * 49_000_f64.powf(f64::from(i) / 2000.)));
+        let (low, high) = levels.fold((f64::MAX, f64::MIN), |(low, high), l| (low.min(l), high.max(l)));
+        assert!(high - low < 2. * 0.135, "ripple of ±{} dB", (high - low) / 2.);
+    }
+
+    #[test]
+    fn the_filter_is_its_twin() {
+        let (mut rng, mut words) = (stream(1, Stream::Amplitude), stream(1, Stream::Amplitude));
+        let mut filter = Filter::new(&mut rng);
+        for _ in 0..=POLES {
+            reference::white(&mut words);
+        }
+        let fraction = |bits: i64, places: i32| bits as f64 / 2_f64.powi(places);
+        let mut twin = reference::Filter {
+            direct: DIRECT.map(|weight| fraction(weight, 23)),
+            weights: WEIGHTS.map(|weight| fraction(weight, 23)),
+            sums: filter.sums.map(|sum| fraction(sum, 40)),
+            last: fraction(filter.last, 17),
+        };
+        let mut comparison = Comparison::default();
+        for _ in 0..1 << 22 {
+            comparison.add(filter.step(&mut rng), twin.step(reference::white(&mut words)));
+        }
+        comparison.check("filter");
+    }
+
+    #[test]
+    fn the_first_samples_have_the_sigma_of_the_later_ones() {
+        let squares = (0..4096).map(|seed| {
+            let mut rng = stream(seed, Stream::Amplitude);
+            Filter::new(&mut rng).step(&mut rng).to_num::<f64>().powi(2)
+        });
+        let variance = squares.sum::<f64>() / 4096.;
+        assert!((variance - 1.).abs() < 4. * (2_f64 / 4096.).sqrt(), "variance {variance}");
+    }
+}

@@ -60,3 +60,37 @@ impl Hosoda {
         Sample::from_bits(self.output)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        math::random::{Stream, stream},
+        noise::reference::{self, Comparison, Linear as _, check_table},
+    };
+
+    #[test]
+    fn the_tables_are_those_of_the_ladder() {
+        let sigma = reference::sigma::<reference::Hosoda, { SECTIONS + 1 }>();
+        assert!((sigma - 1.).abs() < 1e-6, "sigma {sigma}");
+        check_table([GAIN], [1. / reference::Hosoda::SIGMA], 23, 0.);
+        let start = reference::cholesky(reference::covariance::<reference::Hosoda, { SECTIONS + 1 }>());
+        check_table(START.map(i64::from), start, 24, 1.);
+    }
+
+    #[test]
+    fn the_ladder_is_its_twin() {
+        let (mut rng, mut words) = (stream(1, Stream::Amplitude), stream(1, Stream::Amplitude));
+        let mut ladder = Hosoda::new(&mut rng);
+        for _ in 0..=SECTIONS {
+            reference::white(&mut words);
+        }
+        let fraction = |bits: i64| bits as f64 / 2_f64.powi(40);
+        let mut twin = reference::Hosoda { z: ladder.sections.map(fraction), t: fraction(ladder.output) };
+        let mut comparison = Comparison::default();
+        for _ in 0..1 << 22 {
+            comparison.add(ladder.step(&mut rng), twin.step(reference::white(&mut words)));
+        }
+        comparison.check("hosoda");
+    }
+}

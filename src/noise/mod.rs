@@ -3,16 +3,18 @@
 //! The paper's five noises (Yamamoto and Sakamoto, section 3.3) with the literal forms of those that had to be changed, the
 //! response of a body with inertia (eq. 5, 6), and the [`drive`] that joins them. Knows frames and seeds; knows no picture.
 //!
-//! | kind | spectral slope, 1e-4..1e-1 of the frame rate | source |
-//! |---|---|---|
-//! | constant | – | – |
-//! | white | 0 | [`white`] |
-//! | chaos | 1 | [`chaos`] |
-//! | filter | 1 | [`filter`] |
-//! | brown | 2 above its leak | [`brown`] |
-//! | chaos-literal | dies | [`chaos::Literal`] |
-//! | hosoda | 0.956 | [`hosoda`] |
-//! | brown-literal | 2, strays without limit | [`brown::Literal`] |
+//! | kind | spectral slope, 1e-4..1e-1 of the frame rate | instructions a step | source |
+//! |---|---|---|---|
+//! | constant | – | 18 | – |
+//! | white | 0 | 82 | [`white`] |
+//! | chaos | 1 | 122 | [`chaos`] |
+//! | filter | 1 | 156 | [`filter`] |
+//! | brown | 2 above its leak | 88 | [`brown`] |
+//! | chaos-literal | dies | – | [`chaos::Literal`] |
+//! | hosoda | 0.956 | 166 | [`hosoda`] |
+//! | brown-literal | 2, strays without limit | 92 | [`brown::Literal`] |
+//!
+//! (Instructions as valgrind counts them in the release profile on x86-64, [`Generator::step`] and the loop around it.)
 //!
 //! Every generator makes one sample a frame from integers alone, in constant time and without tables made at run time: the stream
 //! of a seed is the same on every machine.

@@ -19,26 +19,33 @@ pub(crate) trait Linear<const N: usize>: Default {
     fn state(&self) -> [f64; N];
 }
 
-/// [`super::super::filter`] before its weights are rounded.
-#[derive(Default)]
+/// [`super::filter`]; by default with the weights of the fit before they are rounded.
 pub(crate) struct Filter {
-    sums: [f64; 8],
-    last: f64,
+    pub(crate) direct: [f64; 2],
+    pub(crate) weights: [f64; 8],
+    pub(crate) sums: [f64; 8],
+    pub(crate) last: f64,
 }
 
-impl Filter {
-    /// The sigma of the fit's output for white noise of unit sigma.
-    pub(crate) const SIGMA: f64 = 6.879_007_974_5;
-    const DIRECT: [f64; 2] = [5695., 1628.];
-    const WEIGHTS: [f64; 8] = [4096., 1269., 907., 302., 220., 83., 55., 40.];
+impl Default for Filter {
+    fn default() -> Self {
+        // The second divisor is the sigma of the fit's output for white noise of unit sigma.
+        let unit = |weight: f64| weight / 4096. / 6.879_007_974_5;
+        Self {
+            direct: [5695., 1628.].map(unit),
+            weights: [4096., 1269., 907., 302., 220., 83., 55., 40.].map(unit),
+            sums: [0.; 8],
+            last: 0.,
+        }
+    }
 }
 
 impl Linear<8> for Filter {
     fn step(&mut self, white: f64) -> f64 {
         for (i, sum) in self.sums.iter_mut().enumerate() {
-            *sum += Self::WEIGHTS[i] / 4096. / Self::SIGMA * white - *sum * 0.25_f64.powi(i as i32 + 1);
+            *sum += self.weights[i] * white - *sum * 0.25_f64.powi(i as i32 + 1);
         }
-        let direct = (Self::DIRECT[0] * white + Self::DIRECT[1] * self.last) / 4096. / Self::SIGMA;
+        let direct = self.direct[0] * white + self.direct[1] * self.last;
         self.last = white;
         direct + self.sums.iter().sum::<f64>()
     }
@@ -51,8 +58,8 @@ impl Linear<8> for Filter {
 /// Hosoda's ladder, in his words and with the division by its sigma.
 #[derive(Default)]
 pub(crate) struct Hosoda {
-    z: [f64; 8],
-    t: f64,
+    pub(crate) z: [f64; 8],
+    pub(crate) t: f64,
 }
 
 impl Hosoda {
@@ -80,7 +87,7 @@ impl Linear<9> for Hosoda {
 /// Brown noise that forgets by 2^-LEAK a frame.
 #[derive(Default)]
 pub(crate) struct Brown<const LEAK: i32> {
-    sum: f64,
+    pub(crate) sum: f64,
 }
 
 impl<const LEAK: i32> Linear<1> for Brown<LEAK> {
@@ -119,6 +126,11 @@ pub(crate) fn covariance<F: Linear<N>, const N: usize>() -> [[f64; N]; N] {
         }
     }
     covariance
+}
+
+/// Sigma of a filter's output for white noise of unit sigma.
+pub(crate) fn sigma<F: Linear<N>, const N: usize>() -> f64 {
+    spread::<F, N>(&[0])[0]
 }
 
 /// The rows of the lower Cholesky factor of `matrix`, diagonal included, one after the other.
@@ -162,5 +174,49 @@ impl Linear<1> for White {
 
     fn state(&self) -> [f64; 1] {
         [self.0]
+    }
+}
+
+/// How far integers are from their twin: the ratio of the twin's power to that of the difference, in decibels, and the mean
+/// difference.
+#[derive(Default)]
+pub(crate) struct Comparison {
+    power: f64,
+    error_power: f64,
+    error: f64,
+    count: f64,
+}
+
+impl Comparison {
+    pub(crate) fn add(&mut self, integer: crate::math::Sample, twin: f64) {
+        let error = integer.to_num::<f64>() - twin;
+        self.power += twin * twin;
+        self.error_power += error * error;
+        self.error += error;
+        self.count += 1.;
+    }
+
+    /// Fails unless the ratio is at least 150 dB and the mean difference at most 1e-6 (the noises have a sigma of 0.3 to 1).
+    pub(crate) fn check(&self, name: &str) {
+        let decibels = 10. * (self.power / self.error_power).log10();
+        let bias = self.error / self.count;
+        println!("{name}: {decibels:.1} dB, bias {bias:.1e}");
+        assert!(decibels >= 150., "{name}: {decibels} dB");
+        assert!(bias.abs() <= 3e-7, "{name}: bias {bias}");
+    }
+}
+
+/// Fails unless each entry of an integer table is the exact value times 2^`bits`, rounded; `slack` is what f64 may err by.
+pub(crate) fn check_table(
+    table: impl IntoIterator<Item = i64>,
+    exact: impl IntoIterator<Item = f64>,
+    bits: i32,
+    slack: f64,
+) {
+    let (table, exact): (Vec<_>, Vec<_>) = (table.into_iter().collect(), exact.into_iter().collect());
+    assert_eq!(table.len(), exact.len());
+    for (i, (entry, exact)) in table.into_iter().zip(exact).enumerate() {
+        let exact = exact * 2_f64.powi(bits);
+        assert!((entry as f64 - exact).abs() <= 0.5 + slack, "entry {i} is {entry}, exactly {exact}");
     }
 }

@@ -79,7 +79,7 @@ impl Response {
     /// Sigma of S/G for the noise of this `kind`, as its generator makes it; 1 for the noises in 0..=1, which need none.
     ///
     /// For white noise it is √((1 − r)(1 + r^(n+1)) / (1 + r)(1 − r^(n+1))). For the others it is interpolated between computed
-    /// values, within 0.2 %.
+    /// values, within 0.3 %.
     pub fn spread(&self, kind: Kind) -> Sample {
         let time_constant = (self.lasts() - 1) as u32 / Self::ORDER;
         match kind {
@@ -151,7 +151,11 @@ fn interpolate(spread: &[u32; KNOTS.len()], time_constant: u32) -> Sample {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::reference;
+    use crate::{
+        math::random::{Stream, stream},
+        noise::{Generator, reference},
+    };
+    use proptest::prelude::*;
 
     #[test]
     fn the_spreads_are_those_of_the_f64_twins() {
@@ -161,13 +165,78 @@ mod tests {
             (BROWN_SPREAD, reference::spread::<reference::Brown<9>, 1>(&KNOTS)),
         ];
         for (table, twin) in twins {
-            for (entry, exact) in table.into_iter().zip(twin) {
-                assert!(
-                    (f64::from(entry) - exact * 65_536.).abs() <= 1.,
-                    "{entry} against {}",
-                    exact * 65_536.
-                );
+            reference::check_table(table.map(i64::from), twin, 16, 0.1);
+        }
+    }
+
+    #[test]
+    fn spreads_between_the_knots_are_within_the_stated_error() {
+        let between = [4, 6, 12, 17, 24, 34, 48, 68, 96, 136, 180];
+        let white = [1, 5, 10, 20, 40, 200];
+        check_spread(Kind::Filter, &between, &reference::spread::<reference::Filter, 8>(&between), 3e-3);
+        check_spread(Kind::Hosoda, &between, &reference::spread::<reference::Hosoda, 9>(&between), 3e-3);
+        check_spread(Kind::Brown, &between, &reference::spread::<reference::Brown<9>, 1>(&between), 3e-3);
+        check_spread(Kind::White, &white, &reference::spread::<reference::White, 1>(&white), 1e-8);
+    }
+
+    fn check_spread(kind: Kind, time_constants: &[u32], twin: &[f64], error: f64) {
+        for (&time_constant, exact) in time_constants.iter().zip(twin) {
+            let spread = Response::new(time_constant).spread(kind).to_num::<f64>();
+            assert!((spread / exact - 1.).abs() < error, "{kind}, {time_constant}: {spread} for {exact}");
+        }
+    }
+
+    #[test]
+    fn the_spreads_at_the_presets_are_known() {
+        let presets = [
+            (Kind::White, [0.3174, 0.2249, 0.1591, 0.1125]),
+            (Kind::Filter, [0.8930, 0.8637, 0.8335, 0.8022]),
+            // Of a noise whose own sigma is 1.0005.
+            (Kind::Brown, [0.9954 * 1.0005, 0.9909 * 1.0005, 0.9819 * 1.0005, 0.9648 * 1.0005]),
+        ];
+        for (kind, spreads) in presets {
+            check_spread(kind, &[5, 10, 20, 40], &spreads, 5e-4);
+        }
+    }
+
+    /// The recursion against the sum of eq. 5, in steps of 2^-24: what remains is the rounding of the samples on their way in.
+    #[test]
+    fn the_recursion_is_the_sum() {
+        for (time_constant, steps) in [(1, 2.), (20, 4.), (40, 6.), (200, 12.)] {
+            let mut response = Response::new(time_constant);
+            let lasts = response.lasts();
+            let mut noise = Generator::new(Kind::Brown, stream(1, Stream::Amplitude));
+            let mut samples = vec![0.; lasts];
+            let mut worst = 0_f64;
+            for _ in 0..20_000 {
+                let sample = noise.step();
+                samples.push(sample.to_num());
+                let exact = reference::response(&samples[samples.len() - lasts..], f64::from(time_constant));
+                worst = worst.max((response.step(sample).to_num::<f64>() - exact).abs());
             }
+            println!("τ = {time_constant}: within {:.1} steps of 2^-24", worst * 2_f64.powi(24));
+            assert!(worst <= steps * 2_f64.powi(-24), "τ = {time_constant}: {worst:e}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_constant_comes_to_the_gain(time_constant in 0..250_u32) {
+            let mut response = Response::new(time_constant);
+            let mut last = Sample::ZERO;
+            for _ in 0..response.lasts() {
+                last = response.step(Sample::ONE);
+            }
+            prop_assert!((last - response.gain()).abs() <= Sample::from_bits(1 << 9));
+        }
+    }
+
+    #[test]
+    fn no_inertia_changes_nothing() {
+        let mut response = Response::new(0);
+        assert_eq!((response.lasts(), response.gain()), (1, Sample::ONE));
+        for bits in [1_i64 << 40, -3 << 35, 0] {
+            assert_eq!(response.step(Sample::from_bits(bits)), Sample::from_bits(bits));
         }
     }
 }

@@ -45,8 +45,7 @@ pub enum Command {
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
 pub struct Run {
-    /// Photos, and folders of photos.
-    #[arg(required = true)]
+    /// Photos, and folders of photos; without any, the built-in demo photo.
     pub photos: Vec<PathBuf>,
     /// Where to show them: auto, window, or a simulated panel as sim:WIDTHxHEIGHT[:FORMAT[:STRIDE_BYTES]].
     #[arg(long, default_value = "auto")]

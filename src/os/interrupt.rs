@@ -46,3 +46,53 @@ fn is_ignored(signal: i32) -> bool {
     let mask = mask.and_then(|hex| u64::from_str_radix(hex.trim(), 16).ok()).unwrap_or_default();
     mask >> (signal - 1) & 1 == 1
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use signal_hook::low_level::raise;
+    use std::{
+        env,
+        os::unix::process::ExitStatusExt,
+        process::{Command, Output},
+    };
+
+    const CHILD: &str = "YURAMEKI_INTERRUPTED_CHILD";
+
+    /// Runs the test `name` of this module again, as a process of its own whose shell has run `prepare`.
+    fn run_child(name: &str, prepare: &str) -> Output {
+        let script = format!("{prepare}exec \"$0\" --exact os::interrupt::tests::{name} --nocapture");
+        let mut shell = Command::new("sh");
+        shell.arg("-c").arg(script).arg(env::current_exe().unwrap()).env(CHILD, "1");
+        shell.output().unwrap()
+    }
+
+    #[test]
+    fn the_first_signal_asks_and_the_second_ends_the_program() {
+        if env::var_os(CHILD).is_some() {
+            let interrupt = Interrupt::install().unwrap();
+            assert!(!interrupt.requested());
+            raise(SIGTERM).unwrap();
+            assert!(interrupt.requested());
+            println!("asked");
+            raise(SIGTERM).unwrap();
+            unreachable!("the second signal ends the program");
+        }
+        let output = run_child("the_first_signal_asks_and_the_second_ends_the_program", "");
+        assert_eq!(output.status.signal(), Some(SIGTERM), "{output:?}");
+        assert!(String::from_utf8_lossy(&output.stdout).contains("asked"), "{output:?}");
+    }
+
+    #[test]
+    fn a_signal_that_was_ignored_stays_ignored() {
+        if env::var_os(CHILD).is_some() {
+            let interrupt = Interrupt::install().unwrap();
+            raise(SIGHUP).unwrap();
+            assert!(!interrupt.requested());
+            return;
+        }
+        let output = run_child("a_signal_that_was_ignored_stays_ignored", "trap '' HUP; ");
+        assert!(output.status.success(), "{output:?}");
+        assert!(String::from_utf8_lossy(&output.stdout).contains("1 passed"), "{output:?}");
+    }
+}

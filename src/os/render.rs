@@ -46,7 +46,7 @@ fn film(args: &args::Render, source: Source<'_>) -> Result<(), Failure> {
 
     let open = |target: &Target| Writer::create(target, args.size, args.rate(), args.frames);
     let mut writer = args.out.as_ref().map(open).transpose()?;
-    let mut hash = args.hash.then(|| FrameHash::new());
+    let mut hash = args.hash.then(FrameHash::new);
     let progress = Progress::new(args.frames, args.quiet);
     for _ in 0..args.frames {
         if interrupt.requested() {

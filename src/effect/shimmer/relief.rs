@@ -44,10 +44,10 @@ impl Axes {
     fn new(settings: &Settings, size: Size) -> Self {
         // relief · scale / LUMA_FOR_45_DEGREES, at most 1/2 so that products stay within 32 bits.
         let steepness =
-            settings.relief.to_bits().max(0) as i64 * i64::from(scale(size)) >> (28 + SCALE_BITS - 15);
+            (settings.relief.to_bits().max(0) as i64 * i64::from(scale(size))) >> (28 + SCALE_BITS - 15);
         let steepness = (steepness / i64::from(LUMA_FOR_45_DEGREES)).min(1 << 14);
         let axis = |direction: Turns| {
-            [direction.sin(), -direction.cos()].map(|c| (i64::from(c.to_bits()) * steepness >> 28) as i32)
+            [direction.sin(), -direction.cos()].map(|c| ((i64::from(c.to_bits()) * steepness) >> 28) as i32)
         };
         Self { u: axis(settings.light.azimuth), v: axis(settings.light.azimuth.plus(Turns::QUARTER)) }
     }
@@ -74,7 +74,7 @@ fn gradient(u: &mut [i16], v: &mut [i16], above: &mut [i16], at: &mut [i16], axe
             // Eight times the gradient in Q7, to Q8.
             let (dx, dy) = ((column(right) - column(left)) >> 2, (row(below) - row(above)) >> 2);
             let along = |axis: [i32; 2]| {
-                let slope = dx * axis[0] + dy * axis[1] >> (8 + 15 - STEEP_BITS);
+                let slope = (dx * axis[0] + dy * axis[1]) >> (8 + 15 - STEEP_BITS);
                 slope.clamp(i16::MIN.into(), i16::MAX.into()) as i16
             };
             (u[y * width + x], out[x]) = (along(axes.u), along(axes.v));
@@ -103,11 +103,11 @@ fn flatten(planes: &mut Planes<'_>, i: usize) {
         let square = |s: i16| (i32::from(s) * i32::from(s)) as u32 >> 3;
         let [pu, pv, qu, qv, cu, cv] = slopes.each_ref().map(|s| square(**s));
         // Squares are an eighth, so that four of them fit 32 bits; 2.83 = √8 in Q10.
-        let steepest = ((pu + pv + qu + qv).isqrt() + (cu + cv).isqrt()) * 2897 >> 10;
+        let steepest = (((pu + pv + qu + qv).isqrt() + (cu + cv).isqrt()) * 2897) >> 10;
         (STEEPEST << 14).checked_div(steepest).map_or(1 << 14, |factor| factor.min(1 << 14))
     };
     for slope in &mut slopes {
-        **slope = (i32::from(**slope) * factor as i32 >> STEEP_BITS) as i16;
+        **slope = ((i32::from(**slope) * factor as i32) >> STEEP_BITS) as i16;
     }
 }
 

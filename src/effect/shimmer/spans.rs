@@ -47,8 +47,8 @@ mod tests {
             let mut spans = vec![Span::default(); most(mask.len() as u32)];
             find(&mask, &mut spans);
             let inside = |x: usize| spans.iter().any(|s| (usize::from(s.start)..usize::from(s.end)).contains(&x));
-            for x in 0..mask.len() {
-                prop_assert!(mask[x] == 0 || inside(x));
+            for (x, &moves) in mask.iter().enumerate() {
+                prop_assert!(moves == 0 || inside(x));
             }
             for span in spans.iter().filter(|s| s.start < s.end) {
                 prop_assert!(mask[usize::from(span.start)] != 0 && mask[usize::from(span.end) - 1] != 0);

@@ -18,6 +18,11 @@ const MIX: usize = 16;
 /// while the means of 4×4 pixels err by 1.3 to 1.4 with each.
 const CARRIED_ERROR: i32 = 8;
 
+/// A colour that differs by more than so many levels from every entry in some channel comes up in later frames only. It needs more
+/// carried error, or it would become its nearest entry: greens that turn to reds then err by 3 levels on average, not by 29.
+const FAR: i32 = 20;
+const FAR_CARRIED_ERROR: i32 = 128;
+
 /// Bits of each channel that name a cell of colours with the same mix. The bits below are dithered too.
 const CELL_BITS: u32 = 6;
 
@@ -67,13 +72,18 @@ impl Dither {
 
 /// The palette entries whose mean is nearest to `goal`, darkest first.
 fn mix(colours: &[Colour], goal: [i32; 3]) -> [u8; MIX] {
+    let missed =
+        |entry: usize| -> [i32; 3] { std::array::from_fn(|c| goal[c] - i32::from(colours[entry][c])) };
+    // A colour far from every entry, as only a later frame can have it, must reach entries on its other side.
+    let farthest =
+        missed(palette::nearest(colours, goal)).map(i32::abs).into_iter().max().unwrap_or_default();
+    let limit = if farthest > FAR { FAR_CARRIED_ERROR } else { CARRIED_ERROR };
     let mut error = [0; 3];
     let mut mix = [0; MIX];
     for entry in &mut mix {
         let nearest = palette::nearest(colours, std::array::from_fn(|c| goal[c] + error[c]));
-        let colour = colours[nearest].map(i32::from);
-        error =
-            std::array::from_fn(|c| (error[c] + goal[c] - colour[c]).clamp(-CARRIED_ERROR, CARRIED_ERROR));
+        let missed = missed(nearest);
+        error = std::array::from_fn(|c| (error[c] + missed[c]).clamp(-limit, limit));
         *entry = nearest as u8;
     }
     mix.sort_by_key(|entry| luma(colours[usize::from(*entry)]));

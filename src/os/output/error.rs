@@ -74,7 +74,10 @@ impl fmt::Display for Problem {
             }
             Self::Size { promised, got } => write!(f, "a frame of {got} pixels among frames of {promised}"),
             Self::Count { promised: 0, .. } => f.write_str("no frames to write; ask for at least one"),
-            Self::Count { promised, written } => write!(f, "{written} frames instead of {promised}"),
+            Self::Count { promised, written } if written < promised => {
+                write!(f, "ended after {written} of {promised} frames")
+            }
+            Self::Count { promised, .. } => write!(f, "more than the {promised} frames asked for"),
         }
     }
 }

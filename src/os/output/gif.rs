@@ -74,16 +74,17 @@ impl<W: Write> Encode for Encoder<W> {
         let width = self.film.size.width;
         dither.apply(rgb, width, &mut self.after);
         let rect = if self.before.is_empty() {
-            Rect::all(self.film.size).cut::<1>(&self.after, width, &mut self.cut);
+            self.before.clone_from(&self.after);
             Rect::all(self.film.size)
         } else {
             let rect = Rect::changed::<1>(&self.before, &self.after, width).unwrap_or(Rect::first_pixel());
             for (before, after) in self.before.iter_mut().zip(&self.after) {
                 *before = if before == after { TRANSPARENT } else { *after };
             }
-            rect.cut::<1>(&self.before, width, &mut self.cut);
             rect
         };
+        // Here `before` holds what is to be stored; after the swap, what is shown.
+        rect.cut::<1>(&self.before, width, &mut self.cut);
         std::mem::swap(&mut self.before, &mut self.after);
         gif.write_frame(&Frame {
             delay: self.delays.next().unwrap_or_default() as u16,

@@ -104,7 +104,11 @@ impl Writer {
             }
         })();
         let (place, encoder) = opened.map_err(fail)?;
-        Ok(Self { encoder, place, name, film, written: 0, rgb: Vec::new() })
+        Ok(Self::new(name, film, place, encoder))
+    }
+
+    fn new(name: String, film: Film, place: Place, encoder: Box<dyn Encode>) -> Self {
+        Self { encoder, place, name, film, written: 0, rgb: Vec::new() }
     }
 
     /// Adds the next frame, in any pixel format and with any stride.
@@ -156,4 +160,109 @@ fn encoder<W: Write + Seek + 'static>(format: FileFormat, to: W, film: Film) -> 
         FileFormat::WebP => Box::new(webp::Encoder::new(to, film)?),
         FileFormat::Y4m => Box::new(y4m::Encoder::new(to, film)?),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::{fs, io::Cursor, path::Path};
+
+    const SIZE: Size = Size::new(16, 9);
+
+    /// A disk with `room` for so many bytes.
+    struct Disk {
+        file: Cursor<Vec<u8>>,
+        room: usize,
+    }
+
+    impl Write for Disk {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            if self.file.get_ref().len() + bytes.len() > self.room {
+                return Err(io::ErrorKind::StorageFull.into());
+            }
+            self.file.write(bytes)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Seek for Disk {
+        fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
+            self.file.seek(to)
+        }
+    }
+
+    fn film(frames: u32) -> Film {
+        Film { size: SIZE, rate: FrameRate::new(30, 1).unwrap(), frames }
+    }
+
+    fn write_all(mut writer: Writer) -> Result<(), OutputError> {
+        let layout = Layout::new(SIZE, PixelFormat::Bgr888, None).unwrap();
+        for i in 0..writer.film.frames {
+            let pixels: Vec<u8> =
+                (0..layout.len_bytes()).map(|at| (at as u32 * 37 + i * at as u32 * 11) as u8).collect();
+            writer.write(FrameRef::new(&pixels, layout).unwrap())?;
+        }
+        writer.finish()
+    }
+
+    /// A writer to `path` whose disk has `room` for so many bytes.
+    fn writer_on_disk(
+        path: &Path,
+        format: FileFormat,
+        frames: u32,
+        room: usize,
+    ) -> Result<Writer, OutputError> {
+        let disk = Disk { file: Cursor::default(), room };
+        let name = path.display().to_string();
+        let encoder =
+            encoder(format, disk, film(frames)).map_err(|e| OutputError::new(&name, Problem::Io(e)))?;
+        let place = Place::File(StagedFile::create(path).unwrap());
+        Ok(Writer::new(name, film(frames), place, encoder))
+    }
+
+    #[test]
+    fn a_full_disk_is_named_and_the_file_of_before_stays() {
+        for (format, frames) in FileFormat::ALL.into_iter().flat_map(|f| [(f, 1), (f, 3)]) {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("film");
+            fs::write(&path, "before").unwrap();
+            // Fail in the header, in a frame, and with the last bytes.
+            let mut room = 0;
+            while let Err(error) = writer_on_disk(&path, format, frames, room).and_then(write_all) {
+                let text = error.to_string();
+                assert!(
+                    text.contains("film: the disk is full; free"),
+                    "{format:?} with {room} bytes: {text}"
+                );
+                assert_eq!(fs::read(&path).unwrap(), b"before", "{format:?} with {room} bytes");
+                assert_eq!(fs::read_dir(&folder).unwrap().count(), 1, "{format:?} with {room} bytes");
+                room += 31;
+            }
+            assert!(room > 100, "{format:?} never fills a disk");
+        }
+    }
+
+    fn writer_to(file: File) -> Writer {
+        let encoder = y4m::Encoder::new(BufWriter::new(file), film(3)).unwrap();
+        Writer::new(Target::Stdout.to_string(), film(3), Place::Stdout, Box::new(encoder))
+    }
+
+    #[test]
+    fn a_full_device_behind_stdout_is_named() {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let text = write_all(writer_to(full)).unwrap_err().to_string();
+        assert_eq!(text, "standard output: the disk is full; free some space or write elsewhere");
+    }
+
+    #[test]
+    fn a_closed_pipe_behind_stdout_is_named() {
+        let (reader, writer) = io::pipe().unwrap();
+        drop(reader);
+        let text =
+            write_all(writer_to(File::from(std::os::fd::OwnedFd::from(writer)))).unwrap_err().to_string();
+        assert!(text.starts_with("standard output: the reader closed the pipe"), "{text}");
+    }
 }

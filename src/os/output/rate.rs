@@ -97,9 +97,9 @@ mod tests {
 
     #[test]
     fn rates_are_read_exactly() {
-        for (word, frames, seconds) in
-            [("30", 30, 1), ("12.5", 25, 2), ("29.97", 2997, 100), ("60000/1001", 60000, 1001)]
-        {
+        let words =
+            [("30", 30, 1), ("12.5", 25, 2), ("29.97", 2997, 100), ("60000/1001", 60000, 1001), (".5", 1, 2)];
+        for (word, frames, seconds) in words {
             let rate: FrameRate = word.parse().expect(word);
             assert_eq!((rate.frames(), rate.seconds()), (frames, seconds), "{word}");
         }
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn words_that_are_no_rate_are_refused() {
-        for word in [
+        let words = [
             "",
             "0",
             "-3",
@@ -117,16 +117,12 @@ mod tests {
             "1/0",
             "0/1",
             ".",
-            "1.",
             "3/",
             "nan",
             "99999999999",
             "1.99999999999",
-        ] {
-            if word == "1." {
-                assert_eq!(word.parse(), FrameRate::new(1, 1).ok_or(ParseFrameRateError));
-                continue;
-            }
+        ];
+        for word in words {
             assert_eq!(word.parse::<FrameRate>(), Err(ParseFrameRateError), "{word}");
         }
     }

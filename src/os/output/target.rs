@@ -10,7 +10,7 @@ use std::{
 pub enum FileFormat {
     /// A PNG; with several frames an animated one (APNG), which programs that know only PNG show as its first frame.
     Png,
-    /// A GIF: 255 colours, dithered.
+    /// A GIF: 255 colours, dithered. Browsers play more than 50 frames a second slowly.
     Gif,
     /// A lossless WebP.
     WebP,
@@ -19,6 +19,9 @@ pub enum FileFormat {
 }
 
 impl FileFormat {
+    /// Every format.
+    pub const ALL: [Self; 4] = [Self::Png, Self::Gif, Self::WebP, Self::Y4m];
+
     /// The extensions of file names, as people type them after `--out`.
     const EXTENSIONS: [(&'static str, Self); 5] = [
         ("apng", Self::Png),
@@ -119,3 +122,43 @@ impl fmt::Display for TargetError {
 }
 
 impl std::error::Error for TargetError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(word: &str) -> Result<Target, TargetError> {
+        Target::parse(OsStr::new(word))
+    }
+
+    #[test]
+    fn the_extension_says_the_format() {
+        for (word, format) in [
+            ("a.png", FileFormat::Png),
+            ("a.apng", FileFormat::Png),
+            ("dir.d/a b.GIF", FileFormat::Gif),
+            ("a.tar.webp", FileFormat::WebP),
+            ("/x/a.y4m", FileFormat::Y4m),
+        ] {
+            assert_eq!(parse(word), Ok(Target::File { path: word.into(), format }));
+        }
+    }
+
+    #[test]
+    fn names_without_extension_and_existing_folders_are_folders() {
+        let existing = tempfile::Builder::new().suffix(".gif").tempdir().unwrap();
+        for word in ["frames", "out/", "a.gif/", ".", "..", ".hidden", existing.path().to_str().unwrap()] {
+            assert_eq!(parse(word), Ok(Target::Folder(word.into())), "{word}");
+        }
+    }
+
+    #[test]
+    fn an_unknown_extension_is_refused_with_the_list_of_known_ones() {
+        let text = parse("film.mp4").unwrap_err().to_string();
+        assert!(text.starts_with("film.mp4: unknown extension"), "{text}");
+        for (extension, _) in FileFormat::EXTENSIONS {
+            assert!(text.contains(&format!(".{extension}")), "{text}");
+        }
+        assert_eq!(parse(""), Err(TargetError::Empty));
+    }
+}

@@ -7,6 +7,7 @@ pub(super) const PLANES: usize = 11;
 
 /// The features of a whole photo, a plane each.
 pub(super) struct Features<'a> {
+    pub(super) grid: Grid,
     pub(super) red: &'a mut [i32],
     pub(super) green: &'a mut [i32],
     pub(super) blue: &'a mut [i32],
@@ -16,7 +17,7 @@ pub(super) struct Features<'a> {
     pub(super) coherence: &'a mut [i32],
     pub(super) upright: &'a mut [i32],
     pub(super) squareness: &'a mut [i32],
-    pub(super) surround: &'a mut [i32],
+    pub(super) dark: &'a mut [i32],
     pub(super) sky: &'a mut [i32],
 }
 
@@ -37,13 +38,16 @@ pub(super) struct Cell {
     pub(super) upright: i32,
     /// How much the gradients of a wide neighbourhood fall into two directions at right angles: bricks, windows, planks.
     pub(super) squareness: i32,
-    /// Mean luma of a window of a third of the picture.
-    pub(super) surround: i32,
+    /// How much of a window of a third of the picture is dark, or of the whole picture where that is more.
+    pub(super) dark: i32,
     /// How much of the nearest neighbourhood is sky.
     pub(super) sky: i32,
+    /// How far down the picture: 0 at the upper edge, 256 at the lower.
+    pub(super) depth: i32,
 }
 
-impl<'a> Features<'a> {
+impl Features<'_> {
+    /// The features of cell `i`, row by row.
     pub(super) fn cell(&self, i: usize) -> Cell {
         let level = |plane: &[i32]| (plane[i] + 8) >> 4;
         Cell {
@@ -56,8 +60,9 @@ impl<'a> Features<'a> {
             coherence: self.coherence[i],
             upright: self.upright[i],
             squareness: self.squareness[i],
-            surround: level(self.surround),
+            dark: self.dark[i],
             sky: self.sky[i],
+            depth: (i / self.grid.width * 256 / self.grid.height) as i32,
         }
     }
 
@@ -70,7 +75,14 @@ impl<'a> Features<'a> {
         }
         self.measure_texture(filter, a, b);
         self.measure_direction(filter, a, b);
-        filter.mean(self.luma, SURROUND_RADIUS, self.surround);
+        for (dark, luma) in self.dark.iter_mut().zip(&*self.luma) {
+            *dark = if *luma < DARK { 256 } else { 0 };
+        }
+        let night = self.dark.iter().sum::<i32>() / self.dark.len() as i32;
+        filter.mean_in_place(self.dark, SURROUND_RADIUS);
+        for dark in &mut *self.dark {
+            *dark = night.max(*dark);
+        }
         self.find_sky(filter);
     }
 
@@ -119,19 +131,21 @@ impl<'a> Features<'a> {
         }
     }
 
-    /// Grows the sky from the picture's upper edge over smooth cells that are not green.
+    /// Grows the sky from the picture's upper edge, and from bright cool cells near it, over smooth cells that are not green.
     fn find_sky(&mut self, filter: &mut BoxFilter<'_>) {
         let grid = filter.grid;
         for i in 0..grid.cells() {
-            let Cell { red, green, blue, luma, fine, .. } = self.cell(i);
-            let green_cast = green - (red + blue) / 2;
-            let smooth = fine < SKY_FINE;
-            self.sky[i] = if smooth && luma > SKY_LUMA && green_cast < SKY_GREEN { 1 } else { 0 };
-        }
-        for x in 0..grid.width {
-            if self.sky[x] == 1 {
-                self.sky[x] = 2;
-            }
+            let c = self.cell(i);
+            let pale =
+                c.luma > SKY_LUMA && c.blue * 10 >= c.red * 9 && c.green - (c.red + c.blue) / 2 < SKY_GREEN;
+            let candidate = pale && c.fine < SKY_FINE && c.upright < SKY_UPRIGHT;
+            let bright = c.luma > SKY_SEED_LUMA && c.blue >= c.red && c.depth < SKY_SEED_DEPTH;
+            let seed = i < grid.width || bright;
+            self.sky[i] = match (candidate, seed) {
+                (false, _) => NO_SKY,
+                (true, false) => MAY_BE_SKY,
+                (true, true) => SKY,
+            };
         }
         for _ in 0..SKY_SWEEPS {
             let forward = (1..grid.cells()).fold(false, |grew, i| self.grow_sky(grid, i, false) | grew);
@@ -141,13 +155,20 @@ impl<'a> Features<'a> {
             }
         }
         for sky in &mut *self.sky {
-            *sky = if *sky == 2 { 256 } else { 0 };
+            *sky = if *sky == SKY { 256 } else { 0 };
         }
-        filter.mean_in_place(self.sky, 1);
+        filter.mean_in_place(self.sky, SKY_FRINGE);
     }
 
+    /// How much of the picture's upper quarter is sky.
+    pub(super) fn sky_share(&self) -> i32 {
+        let upper = &self.sky[..self.grid.width * self.grid.height.div_ceil(4)];
+        upper.iter().sum::<i32>() / upper.len() as i32
+    }
+
+    /// Makes cell `i` sky if it may be and joins one that is, before it in the sweep.
     fn grow_sky(&mut self, grid: Grid, i: usize, backward: bool) -> bool {
-        if self.sky[i] != 1 {
+        if self.sky[i] != MAY_BE_SKY {
             return false;
         }
         let (x, y) = (i % grid.width, i / grid.width);
@@ -157,30 +178,56 @@ impl<'a> Features<'a> {
             ((x > 0).then(|| i - 1), (y > 0).then(|| i - grid.width))
         };
         let joins = |from: Option<usize>| {
-            from.is_some_and(|from| self.sky[from] == 2 && (self.luma[from] - self.luma[i]).abs() < SKY_STEP)
+            from.is_some_and(|from| {
+                self.sky[from] == SKY && (self.luma[from] - self.luma[i]).abs() < SKY_STEP
+            })
         };
         let grows = joins(beside) || joins(over);
         if grows {
-            self.sky[i] = 2;
+            self.sky[i] = SKY;
         }
         grows
     }
 }
 
-/// A gradient or an isolated edge counts at most this much, in sixteenths of a level, so that one strong outline is no texture.
+/// An isolated edge counts at most 24 levels, in sixteenths, so that one strong outline is no texture.
 const EDGE_CAP: i32 = 24 * 16;
+/// Texture is a mean over 7 × 7 cells: a leaf and its neighbours, not the whole crown.
 const TEXTURE_RADIUS: usize = 3;
+/// Direction is a mean over 9 × 9 cells: a few ripples.
 const DIRECTION_RADIUS: usize = 4;
+/// Squareness is a mean over 25 × 25 cells: a window with its frame, some rows of bricks.
 const SQUARE_RADIUS: usize = 12;
+/// The surround is a third of the longest side.
 const SURROUND_RADIUS: usize = 53;
-/// Energy of a gradient of half a level a cell: below it a direction is sensor noise.
+/// Energy of a gradient of one level a cell: below it a direction is noise.
 const FLAT_ENERGY: i32 = 64;
+/// The same for the sum of the gradients' lengths.
 const FLAT_WEIGHT: i32 = 8 * 256;
-const SKY_FINE: i32 = 40;
+/// Luma under which a cell is dark: 48 levels, in sixteenths.
+const DARK: i32 = 48 * 16;
+
+const NO_SKY: i32 = 0;
+const MAY_BE_SKY: i32 = 1;
+const SKY: i32 = 2;
+
+/// Sky is smooth: clouds have a fine texture of 10 to 55, treetops 90 and more.
+const SKY_FINE: i32 = 56;
+/// Sky is not night.
 const SKY_LUMA: i32 = 40;
+/// Sky is not green, by so many levels.
 const SKY_GREEN: i32 = 8;
+/// Sky has no upright streaks: what is white and has them is falling water, or a wall.
+const SKY_UPRIGHT: i32 = 70;
+/// From cell to cell the sky's luma steps less than 12 levels, in sixteenths: the horizon is a border.
 const SKY_STEP: i32 = 12 * 16;
+/// Bright cool cells in the upper two fifths are sky even where a branch or a roof of rock closes the upper edge.
+const SKY_SEED_LUMA: i32 = 150;
+const SKY_SEED_DEPTH: i32 = 100;
+/// Sweeps forth and back that the sky's growth may take; a sky winding through more turns than these is cut.
 const SKY_SWEEPS: usize = 12;
+/// Cells around the sky that count as near it, softly.
+const SKY_FRINGE: usize = 3;
 
 /// Central differences of the luma, in quarter levels over two cells, capped.
 fn gradient(grid: Grid, luma: &[i32], i: usize) -> (i32, i32) {

@@ -132,3 +132,51 @@ fn add(sums: &mut [i32], row: &[i32], sign: i32) {
         *sum += sign * value;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The mean cell by cell, as a twin.
+    fn mean_of_cells(grid: Grid, plane: &[i32], radius: usize, x: usize, y: usize) -> i32 {
+        let near = |at: usize, side: usize| at.saturating_sub(radius)..(at + radius + 1).min(side);
+        let cells =
+            near(y, grid.height).flat_map(|y| near(x, grid.width).map(move |x| plane[y * grid.width + x]));
+        let (sum, count) = cells.fold((0, 0), |(sum, count), value| (sum + value, count + 1));
+        sum / count
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn running_sums_give_the_mean_of_the_cells(
+            width in 1_usize..34, height in 1_usize..18, radius in 0_usize..40, seed in 0_i32..1000,
+        ) {
+            let grid = Grid { width, height };
+            let plane: Vec<i32> = (0..grid.cells() as i32).map(|i| (i * 7919 + seed * 31) % 4081 - 2040).collect();
+            let (mut rows, mut columns, mut out) = (vec![9; grid.cells()], vec![9; width], vec![9; grid.cells()]);
+            BoxFilter { grid, rows: &mut rows, columns: &mut columns }.mean(&plane, radius, &mut out);
+            for (i, &mean) in out.iter().enumerate() {
+                proptest::prop_assert_eq!(mean, mean_of_cells(grid, &plane, radius, i % width, i / width));
+            }
+        }
+    }
+
+    #[test]
+    fn the_grid_keeps_the_shape_of_the_photo() {
+        let grid = |width, height| Grid::of(Size::new(width, height));
+        assert_eq!(grid(3840, 2160), Grid { width: 320, height: 180 });
+        assert_eq!(grid(480, 640), Grid { width: 240, height: 320 });
+        assert_eq!(grid(33, 17), Grid { width: 33, height: 17 });
+        assert_eq!(grid(1, 5000), Grid { width: 1, height: 320 });
+    }
+
+    #[test]
+    fn every_pixel_counts_once_in_the_reduction() {
+        let size = Size::new(641, 323);
+        let grid = Grid::of(size);
+        let rgb = vec![[40_u8, 90, 200]; size.pixels()].concat();
+        let (mut r, mut g, mut b) = (vec![0; grid.cells()], vec![0; grid.cells()], vec![0; grid.cells()]);
+        reduce(&rgb, size, grid, [&mut r, &mut g, &mut b]);
+        assert!(r.iter().all(|&v| v == 640) && g.iter().all(|&v| v == 1440) && b.iter().all(|&v| v == 3200));
+    }
+}

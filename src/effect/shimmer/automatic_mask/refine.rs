@@ -72,9 +72,12 @@ impl Coefficients<'_> {
     }
 }
 
-/// Pulls the ends of the soft scale to still and moving.
+/// Scores up to 56 of 255 are still, from 168 on moving: doubt about a region is no half motion.
+const STILL: i32 = 56;
+const MOVING: i32 = 168;
+
 fn settle(raw: i32) -> u8 {
-    ((raw - 64).clamp(0, 128) * 255 / 128) as u8
+    ((raw - STILL).clamp(0, MOVING - STILL) * 255 / (MOVING - STILL)) as u8
 }
 
 /// The two cells between whose centres the centre of pixel `at` lies, and its place between them in 256ths.
