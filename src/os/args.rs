@@ -258,7 +258,11 @@ impl FromStr for MaskChoice {
 const MOST_PIXELS: usize = 7_680 * 4_320;
 const TOO_MANY_PIXELS: &str = "the largest frame is one of 7680x4320 pixels, or as many in another shape";
 
-fn size(word: &str) -> Result<Size, &'static str> {
+/// Reads a size as people type it: WIDTHxHEIGHT.
+///
+/// # Errors
+/// Anything else; one line that says what a size is.
+pub fn size(word: &str) -> Result<Size, &'static str> {
     let form = "a size is WIDTHxHEIGHT in pixels, each 1 to 16384, like 1024x600";
     let (width, height) = word.split_once(['x', 'X', '×']).ok_or(form)?;
     let side =

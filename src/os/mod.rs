@@ -11,7 +11,7 @@ mod panics;
 pub mod photo;
 pub mod progress;
 mod run;
-mod scene;
+pub mod scene;
 mod stdout;
 mod usage;
 #[cfg(feature = "window")]

@@ -18,7 +18,7 @@ use std::path::Path;
 
 /// Which photo.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Source<'a> {
+pub enum Source<'a> {
     /// A file.
     File(&'a Path),
     /// The one that the program carries.
@@ -30,7 +30,7 @@ static DEMO: &[u8] = include_bytes!("../../tests/data/demo.jpg");
 
 /// A photo and its mask at the panel's size, turned as the panel is mounted.
 #[derive(Debug)]
-pub(super) struct Scene {
+pub struct Scene {
     name: String,
     size: Size,
     rgb: Vec<u8>,
@@ -39,12 +39,10 @@ pub(super) struct Scene {
 
 impl Scene {
     /// Loads the photo at `source` and its mask for a panel of `size` that is mounted turned by `rotation`.
-    pub(super) fn load(
-        source: Source<'_>,
-        size: Size,
-        rotation: Rotation,
-        look: &Look,
-    ) -> Result<Self, Failure> {
+    ///
+    /// # Errors
+    /// A photo or mask that cannot be used; one line that names it, what is wrong and the cure.
+    pub fn load(source: Source<'_>, size: Size, rotation: Rotation, look: &Look) -> Result<Self, Failure> {
         let upright = rotation.turned(size);
         let options = photo::Options { fit: look.fit, ..photo::Options::new(upright) };
         let photo = match source {
@@ -64,12 +62,12 @@ impl Scene {
     }
 
     /// What people call the photo: the name of its file.
-    pub(super) fn name(&self) -> &str {
+    pub fn name(&self) -> &str {
         &self.name
     }
 
     /// What an effect is prepared from.
-    pub(super) fn photo(&self) -> Photo<'_> {
+    pub fn photo(&self) -> Photo<'_> {
         Photo { size: self.size, rgb: &self.rgb, mask: &self.mask }
     }
 }
