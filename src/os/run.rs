@@ -11,7 +11,10 @@ use super::{
 use crate::{
     app::{Request, Show, pace::Pace, playlist::Playlist},
     display::{Display, DisplayError},
-    effect::shimmer::{Shimmer, storage_len},
+    effect::{
+        Effect,
+        shimmer::{Shimmer, storage_len},
+    },
     input::{Buttons, script::Script},
 };
 use clap::Parser;
@@ -124,7 +127,7 @@ impl Running {
     /// Shows a photo until somebody asks for something else, or, without a request, until the panel has another mode.
     fn photo(
         &mut self,
-        shimmer: &mut Shimmer<'_>,
+        shimmer: &mut impl Effect,
         name: &str,
         panel: &mut Panel,
         script: &mut Script<'_>,

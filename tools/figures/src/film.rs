@@ -51,7 +51,7 @@ impl Subject {
 /// The frames of a photo that was prepared once.
 pub(crate) struct Film<'a> {
     name: &'a str,
-    shimmer: Shimmer<'a>,
+    shimmer: Shimmer<&'a mut [u64]>,
     layout: Layout,
 }
 
