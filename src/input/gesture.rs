@@ -127,6 +127,11 @@ impl Gestures {
         }
     }
 
+    /// Forgets what was begun and what nobody has taken; every button is up.
+    pub fn reset(&mut self) {
+        *self = Self { now: self.now, dropped: self.dropped, ..Self::new(self.keys, self.debounce) };
+    }
+
     /// Lets time pass until `now`.
     pub fn advance(&mut self, now: Duration) {
         self.now = self.now.max(now);

@@ -1,5 +1,6 @@
 //! The integration tests: one binary, one module a theme.
 
+mod buttons;
 mod display;
 mod logbook;
 mod mask;
