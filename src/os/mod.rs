@@ -4,6 +4,8 @@
 //! needs from here.
 
 pub mod args;
+#[cfg(target_os = "linux")]
+pub mod evdev;
 pub mod interrupt;
 pub mod output;
 mod panel;
