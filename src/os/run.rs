@@ -2,10 +2,13 @@
 
 use super::{
     Failure, args,
+    config::Config,
+    document::ConfigError,
     interrupt::Interrupt,
     panel::Panel,
     photo, render,
     scene::{self, Scene, Source},
+    set_log_level,
 };
 use crate::{
     app::{Request, Show, pace::Pace, playlist::Playlist},
@@ -26,8 +29,10 @@ use std::{
 pub(super) fn demo() -> Result<(), Failure> {
     let args = args::Args::parse_from(["yurameki", "run", "demo", "--display", "window"]);
     let Some(args::Command::Run(args)) = args.command else { unreachable!("`run` was asked for") };
-    match Panel::open(args.display, args.fps) {
-        Ok(panel) => show(&args, &[Source::Demo], panel),
+    let mut config = Config::default();
+    config.apply_args(&args);
+    match Panel::open(config.display, config.frames_per_second) {
+        Ok(panel) => show(&config, &args, &[Source::Demo], panel),
         Err(why) => {
             log::info!("{why}");
             render::demo()
@@ -36,32 +41,39 @@ pub(super) fn demo() -> Result<(), Failure> {
 }
 
 pub(super) fn run(args: &args::Run) -> Result<(), Failure> {
-    let files = photo::list(&args.photos)?;
+    let config = Config::resolve(args)?;
+    set_log_level(config.log);
+    if config.photos.is_empty() {
+        let cure = "name photos or folders, or set `folders` in the section [photos] of the configuration";
+        return Err(ConfigError::whole("no photos", cure).into());
+    }
+    let files = photo::list(&config.photos)?;
     let sources: Vec<Source<'_>> = files.iter().map(|path| Source::File(path)).collect();
-    show(args, &sources, Panel::open(args.display, args.fps)?)
+    show(&config, args, &sources, Panel::open(config.display, config.frames_per_second)?)
 }
 
 /// How long to wait before a display that is gone is asked again.
 const LOST_DISPLAY_WAIT: Duration = Duration::from_millis(250);
 
-fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<(), Failure> {
+fn show(config: &Config, args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<(), Failure> {
     let mut playlist = Playlist::new(sources.len()).ok_or_else(|| {
         Failure::new("there is no photo in these folders; JPEG, PNG, WebP, GIF, BMP and TIFF files are shown")
     })?;
     let script = args.script.as_deref().map(read_script).transpose()?.unwrap_or_default();
     let mut script = Script::parse(&script).map_err(|e| Failure::new(format!("the script: {e}")))?;
-    let life = scene::turned(args.look.life().at(args.fps), args.rotate);
+    let frames_per_second = config.frames_per_second;
+    let drive = config.plain_look().life.at(frames_per_second).drive;
     let mut run = Running {
-        show: Show::new(life.drive, args.fps, args.look.seed),
+        show: Show::new(drive, frames_per_second, config.seed),
         clock: Instant::now(),
         interrupt: Interrupt::install()?,
         frames: args.frames,
-        frames_per_second: args.fps,
+        frames_per_second,
     };
     let (mut storage, mut skipped, mut failed_in_a_row) = (Vec::new(), HashSet::new(), 0);
     while failed_in_a_row < sources.len() {
         let size = panel.mode().layout.size;
-        let scene = match Scene::load(sources[playlist.current()], size, args.rotate, &args.look) {
+        let scene = match Scene::load(sources[playlist.current()], size, config) {
             Ok(scene) => scene,
             Err(failure) => {
                 if skipped.insert(playlist.current()) {
@@ -73,6 +85,8 @@ fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<()
             }
         };
         failed_in_a_row = 0;
+        let life = scene::turned(scene.look().life.at(frames_per_second), config.rotation);
+        run.show.choose_noises(life.drive.amplitude, life.drive.frequency);
         storage.resize(storage_len(size), 0);
         let mut shimmer = Shimmer::prepare(scene.photo(), &life.shimmer, &mut storage)?;
         match run.photo(&mut shimmer, scene.name(), &mut panel, &mut script) {

@@ -2,7 +2,8 @@
 
 use super::{
     Failure,
-    args::{Look, MaskChoice},
+    args::MaskChoice,
+    config::{Config, Look},
     photo,
 };
 use crate::{
@@ -35,37 +36,44 @@ pub(super) struct Scene {
     size: Size,
     rgb: Vec<u8>,
     mask: Vec<u8>,
+    look: Look,
 }
 
 impl Scene {
-    /// Loads the photo at `source` and its mask for a panel of `size` that is mounted turned by `rotation`.
-    pub(super) fn load(
-        source: Source<'_>,
-        size: Size,
-        rotation: Rotation,
-        look: &Look,
-    ) -> Result<Self, Failure> {
+    /// Loads the photo at `source`, its mask and its sidecar for a panel of `size` that is mounted as `config` says.
+    pub(super) fn load(source: Source<'_>, size: Size, config: &Config) -> Result<Self, Failure> {
+        let look = match source {
+            Source::File(path) => config.look(path),
+            Source::Demo => config.plain_look(),
+        };
+        let rotation = config.rotation;
         let upright = rotation.turned(size);
-        let options = photo::Options { fit: look.fit, ..photo::Options::new(upright) };
+        let limits = photo::Limits { bytes: config.memory_ceiling_bytes, ..photo::Limits::default() };
+        let options = photo::Options { size: upright, fit: look.fit, background: look.background, limits };
         let photo = match source {
             Source::File(path) => photo::load(path, &options)?,
             Source::Demo => photo::from_bytes("the demo photo", DEMO, &options)?,
         };
-        let mask = choose_mask(source, &photo, look, &options.limits)?;
+        let mask = choose_mask(source, &photo, &look, &options.limits)?;
         let name =
             Path::new(&photo.name).file_name().map_or(photo.name.clone(), |n| n.to_string_lossy().into());
         if rotation == Rotation::None {
-            return Ok(Self { name, size, rgb: photo.rgb, mask });
+            return Ok(Self { name, size, rgb: photo.rgb, mask, look });
         }
         let (mut rgb, mut turned_mask) = (vec![[0; 3]; size.pixels()], vec![0; size.pixels()]);
         rotate(rotation, photo.rgb.as_chunks::<3>().0, upright, &mut rgb);
         rotate(rotation, &mask, upright, &mut turned_mask);
-        Ok(Self { name, size, rgb: rgb.into_flattened(), mask: turned_mask })
+        Ok(Self { name, size, rgb: rgb.into_flattened(), mask: turned_mask, look })
     }
 
     /// What people call the photo: the name of its file.
     pub(super) fn name(&self) -> &str {
         &self.name
+    }
+
+    /// How the photo is shown: as its sidecar says, or as all are.
+    pub(super) const fn look(&self) -> &Look {
+        &self.look
     }
 
     /// What an effect is prepared from.

@@ -1,5 +1,7 @@
 //! The integration tests: one binary, one module a theme.
 
+#[cfg(feature = "os")]
+mod config;
 mod display;
 mod logbook;
 mod mask;
