@@ -1,11 +1,11 @@
 use super::{
     overlay,
-    state::{Action, Request, State},
+    state::{Outcome, Request, State},
 };
 use crate::{
     display::{Display, DisplayError},
     effect::{Effect, Paint},
-    input::Button,
+    input::action::Action,
     math::Factor,
     noise::{
         Kind,
@@ -72,12 +72,12 @@ impl Show {
         }
     }
 
-    /// Takes a press in, and tells what it asks of the caller.
-    pub fn press(&mut self, button: Button) -> Option<Request> {
-        match self.state.press(button)? {
-            Action::NextAmplitude => self.choose_noise(Oscillator::amplitude, Oscillator::set_amplitude),
-            Action::NextFrequency => self.choose_noise(Oscillator::frequency, Oscillator::set_frequency),
-            Action::Ask(request) => return Some(request),
+    /// Does what a press is for, and tells what that asks of the caller.
+    pub fn press(&mut self, action: Action) -> Option<Request> {
+        match self.state.take(action)? {
+            Outcome::NextAmplitude => self.choose_noise(Oscillator::amplitude, Oscillator::set_amplitude),
+            Outcome::NextFrequency => self.choose_noise(Oscillator::frequency, Oscillator::set_frequency),
+            Outcome::Ask(request) => return Some(request),
         }
         None
     }

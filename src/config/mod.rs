@@ -3,7 +3,6 @@
 //! What can be chosen of a show, as checked values with the product's defaults. Knows what a choice means; knows no file, no
 //! argument and no device.
 
-pub mod keys;
 pub mod night;
 
 use crate::{

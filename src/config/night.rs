@@ -104,15 +104,14 @@ impl core::error::Error for NotAnEdge {}
 impl FromStr for Edge {
     type Err = NotAnEdge;
 
-    /// `HH:MM LEVEL`, the level `off` or a percentage with or without its sign; 0 % is off.
+    /// `HH:MM LEVEL`, the level `off` or a percentage like `40%`; 0 % is off.
     fn from_str(text: &str) -> Result<Self, NotAnEdge> {
         let (time, level) = text.trim().split_once(' ').ok_or(NotAnEdge)?;
         let (hour, minute) = time.split_once(':').ok_or(NotAnEdge)?;
         let (hour, minute) = (number(hour, 23)?, number(minute, 59)?);
-        let level = level.trim_start();
-        let level = match level.strip_suffix('%').unwrap_or(level).trim_end() {
-            "off" if level == "off" => Level::Off,
-            share => match number(share, 100)? {
+        let level = match level.trim_start() {
+            "off" => Level::Off,
+            share => match number(share.strip_suffix('%').ok_or(NotAnEdge)?, 100)? {
                 0 => Level::Off,
                 share => Level::Percent(share),
             },
@@ -174,21 +173,22 @@ mod tests {
     fn an_edge_is_a_time_and_a_level() {
         let edge = |text: &str| text.parse::<Edge>();
         assert_eq!(edge("21:30 40%"), Ok(Edge { minute: 1290, level: Level::Percent(40) }));
-        assert_eq!(edge(" 7:05   100 "), Ok(Edge { minute: 425, level: Level::Percent(100) }));
+        assert_eq!(edge(" 7:05   100% "), Ok(Edge { minute: 425, level: Level::Percent(100) }));
         assert_eq!(edge("00:00 off"), Ok(Edge { minute: 0, level: Level::Off }));
-        assert_eq!(edge("23:59 0 %"), Ok(Edge { minute: 1439, level: Level::Off }));
+        assert_eq!(edge("23:59 0%"), Ok(Edge { minute: 1439, level: Level::Off }));
         for bad in [
             "",
             "21:30",
-            "24:00 1",
-            "21:60 1",
-            "21:30 101",
-            "21:30 -1",
-            "+1:30 5",
-            "21 30",
+            "24:00 1%",
+            "21:60 1%",
+            "21:30 101%",
+            "21:30 -1%",
+            "+1:30 5%",
+            "21 30%",
             "9:00 off%",
-            ": 1",
+            ": 1%",
             "1:1 %",
+            "1:1 40",
         ] {
             assert_eq!(edge(bad), Err(NotAnEdge), "{bad}");
         }
@@ -205,11 +205,11 @@ mod tests {
     #[test]
     fn edges_are_in_the_order_of_the_day_and_once_each() {
         let mut night = Night::default();
-        for text in ["23:00 off", "07:00 100", "21:30 40"] {
+        for text in ["23:00 off", "07:00 100%", "21:30 40%"] {
             assert_eq!(night.insert(text.parse().unwrap()), Ok(()));
         }
         assert!(night.edges().is_sorted_by_key(|edge| edge.minute));
-        assert_eq!(night.insert("07:00 5".parse().unwrap()), Err(EdgeError::Twice));
+        assert_eq!(night.insert("07:00 5%".parse().unwrap()), Err(EdgeError::Twice));
         for minute in 0..13 {
             assert_eq!(night.insert(Edge { minute, level: Level::Off }), Ok(()));
         }

@@ -64,7 +64,7 @@ pub struct Run {
     /// End after so many frames.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub frames: Option<u64>,
-    /// Presses of buttons, one `FRAME BUTTON` a line.
+    /// Presses of buttons, one `FRAME BUTTON [double|long]` a line.
     #[arg(long, value_name = "FILE")]
     pub script: Option<PathBuf>,
     /// How the panel is mounted: the picture is turned clockwise by so many degrees.

@@ -4,6 +4,8 @@
 //! the one photo, the command line. A key that is not said leaves what was said before; a preset is taken for its range mode and
 //! its two noises, wherever it stands.
 
+#[cfg(target_os = "linux")]
+use super::evdev::KeyCodes;
 use super::{
     args::{self, DisplayChoice, MaskChoice},
     board, config_file,
@@ -12,8 +14,9 @@ use super::{
     sidecar,
 };
 use crate::{
-    config::{DEFAULT_FRAMES_PER_SECOND, EffectChoice, Life, Order, keys::Keys, night::Night},
+    config::{DEFAULT_FRAMES_PER_SECOND, EffectChoice, Life, Order, night::Night},
     frame::Rotation,
+    input::key_map::KeyMap,
     math::Turns,
 };
 use log::LevelFilter;
@@ -48,10 +51,11 @@ pub struct Config {
     pub look: Look,
     /// What was typed of looks, which goes before the sidecar of a photo too.
     pub typed: args::Look,
-    /// Presses and the names of the actions they have, in the order in which they were said.
-    pub actions: Vec<(String, String)>,
+    /// What presses do.
+    pub actions: KeyMap,
     /// Which keys are which buttons.
-    pub keys: Keys,
+    #[cfg(target_os = "linux")]
+    pub keys: KeyCodes,
     /// When the panel is dimmed or off.
     pub night: Night,
     /// The most memory that the file of a photo and its decoding may take, in bytes.
@@ -103,8 +107,9 @@ impl Default for Config {
             seed: 1,
             look: Look::default(),
             typed: args::Look::default(),
-            actions: Vec::new(),
-            keys: Keys::default(),
+            actions: KeyMap::default(),
+            #[cfg(target_os = "linux")]
+            keys: KeyCodes::default(),
             night: Night::default(),
             memory_ceiling_bytes: super::photo::Limits::default().bytes,
             log: LevelFilter::Info,

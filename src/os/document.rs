@@ -176,7 +176,7 @@ impl<'t> Document<'t> {
         self.read(key, into, |value| check(value).map(Some));
     }
 
-    /// Lets `check` take every element of the list at `key`, if there is one. Tells whether there is.
+    /// Lets `check` take every element of the list at `key`, if there is one.
     pub(super) fn read_list(&mut self, key: Key, mut check: impl FnMut(&DeValue<'_>) -> Result<(), String>) {
         self.known.push(key);
         let Some(value) = find(&self.table, key) else { return };
@@ -208,7 +208,7 @@ impl<'t> Document<'t> {
         };
         for (key, value) in table {
             if let Err(why) = check(key.get_ref(), value.get_ref()) {
-                self.faults.push((value.span().start, format!("{}: {why}", key.get_ref())));
+                self.faults.push((value.span().start, format!("{}: {why}", plain(key.get_ref()))));
             }
         }
     }
@@ -291,14 +291,19 @@ pub(super) fn unknown(what: &str, word: &str, known: &[&str]) -> String {
         Some((distance, name)) if distance <= limit => format!("; did you mean {name}?"),
         _ => String::new(),
     };
-    let word: String = word.chars().take(64).flat_map(char::escape_debug).collect();
+    let word = plain(word);
     match known {
         [] => format!("unknown {what} {word}{hint}"),
         known => format!("unknown {what} {word}{hint}; the known ones are {}", known.join(", ")),
     }
 }
 
-/// "`needed` is needed, this is …".
+/// A word from the text as a part of a line: not too long, and without what would break the line.
+fn plain(word: &str) -> String {
+    word.chars().take(64).flat_map(char::escape_debug).collect()
+}
+
+/// "`needed` is needed; this is …".
 fn wrong(needed: &str, value: &DeValue<'_>) -> String {
     let is = match value {
         DeValue::String(_) => "a text",

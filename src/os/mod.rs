@@ -9,6 +9,8 @@ pub mod config;
 mod config_command;
 pub mod config_file;
 mod document;
+#[cfg(target_os = "linux")]
+pub mod evdev;
 pub mod interrupt;
 pub mod output;
 mod panel;

@@ -14,7 +14,7 @@ use crate::{
     app::{Request, Show, pace::Pace, playlist::Playlist},
     display::{Display, DisplayError},
     effect::shimmer::{Shimmer, storage_len},
-    input::{Buttons, script::Script},
+    input::{Buttons, key_map::KeyMap, script::Script},
 };
 use clap::Parser;
 use std::{
@@ -65,11 +65,13 @@ fn show(config: &Config, args: &args::Run, sources: &[Source<'_>], mut panel: Pa
     let drive = config.plain_look().life.at(frames_per_second).drive;
     let mut run = Running {
         show: Show::new(drive, frames_per_second, config.seed),
+        keys: config.actions,
         clock: Instant::now(),
         interrupt: Interrupt::install()?,
         frames: args.frames,
         frames_per_second,
     };
+    panel.set_keys(config.actions);
     let (mut storage, mut skipped, mut failed_in_a_row) = (Vec::new(), HashSet::new(), 0);
     while failed_in_a_row < sources.len() {
         let size = panel.mode().layout.size;
@@ -98,8 +100,8 @@ fn show(config: &Config, args: &args::Run, sources: &[Source<'_>], mut panel: Pa
                 }
                 return Ok(());
             }
-            // The panel has another mode: the same photo again.
-            None => {}
+            // The panel has another mode: the same photo again. Of the requests, `photo` gives no others.
+            None | Some(Request::NextEffect | Request::Sleep | Request::Hide | Request::Reload) => {}
         }
     }
     Err(Failure::new("none of the photos can be shown"))
@@ -112,6 +114,7 @@ fn read_script(path: &Path) -> Result<String, Failure> {
 /// The loop, and what it looks at between frames.
 struct Running {
     show: Show,
+    keys: KeyMap,
     clock: Instant,
     interrupt: Interrupt,
     frames: Option<u64>,
@@ -133,9 +136,14 @@ impl Running {
             if self.interrupt.requested() || self.frames.is_some_and(|frames| self.show.frame() >= frames) {
                 return Some(Request::Quit);
             }
-            let request = next_request(&mut self.show, [script, panel]);
-            if request.is_some() {
-                return request;
+            let request = next_request(&mut self.show, &self.keys, [script, panel]);
+            match request {
+                Some(Request::NextPhoto | Request::PreviousPhoto | Request::Quit) => return request,
+                Some(Request::NextEffect) => log::info!("there is no other effect than shimmer"),
+                Some(request @ (Request::Sleep | Request::Hide | Request::Reload)) => {
+                    log::info!("{request:?}: this show cannot do that");
+                }
+                None => {}
             }
             match self.show.turn(shimmer, name, panel) {
                 Ok(()) => {}
@@ -150,10 +158,10 @@ impl Running {
 }
 
 /// Takes all presses in; the first that asks for something ends the round.
-fn next_request(show: &mut Show, buttons: [&mut dyn Buttons; 2]) -> Option<Request> {
+fn next_request(show: &mut Show, keys: &KeyMap, buttons: [&mut dyn Buttons; 2]) -> Option<Request> {
     for buttons in buttons {
-        while let Some(button) = buttons.next_press(show.frame()) {
-            let request = show.press(button);
+        while let Some(press) = buttons.next_press(show.frame()) {
+            let request = keys.action(press).and_then(|action| show.press(action));
             if request.is_some() {
                 return request;
             }

@@ -13,12 +13,11 @@ use tempfile::TempDir;
 use yurameki::{
     config::{
         Order, Preset,
-        keys::Key,
         night::{Level, Zone},
     },
     effect::shimmer::{Branch, Range},
     frame::Rotation,
-    input::Button,
+    input::{Button, action::Action},
     math::{Factor, Turns},
     noise::{Kind, drive::PhaseForm},
     os::{
@@ -27,6 +26,7 @@ use yurameki::{
         board::{self, BOARDS},
         config::{Config, Look},
         config_file::{self, DEFAULT},
+        evdev::KeyCodes,
         photo::Fit,
         sidecar,
     },
@@ -66,7 +66,7 @@ right = "previous"
 KEY_PLAYPAUSE = "space"
 115 = "up"
 [night]
-times = ["23:00 off", "07:00 100%", "21:30 40"]
+times = ["23:00 off", "07:00 100%", "21:30 40%"]
 zone = "Asia/Tokyo"
 [memory]
 ceiling = 64
@@ -94,6 +94,15 @@ fn fault(text: &str) -> ((usize, usize), String) {
     let Place { line, column } = fault.place.expect("a place");
     assert!(error.to_string().starts_with(&format!("test.toml:{line}:{column}: ")), "{error}");
     ((line, column), fault.message.clone())
+}
+
+/// The default keys and these.
+fn codes(keys: &[(&str, Button)]) -> KeyCodes {
+    let mut codes = KeyCodes::default();
+    for (key, button) in keys {
+        codes.assign(key, *button).unwrap();
+    }
+    codes
 }
 
 fn run_args(words: &[&str]) -> args::Run {
@@ -158,7 +167,6 @@ fn each_value_of_the_default_text_is_the_default() {
         // What the other text said and the default text has no word to take back.
         backlight: got.backlight.clone(),
         keys: got.keys.clone(),
-        actions: got.actions.clone(),
         look: Look { mask: got.look.mask.clone(), ..default.look.clone() },
         ..default
     };
@@ -209,10 +217,10 @@ fn every_key_does_what_it_says() {
     assert_eq!((shimmer.relief, shimmer.strength), (Factor::from_num(2), Factor::from_num(0.25)));
     assert_eq!(shimmer.wind, Turns::from_degrees(270));
     assert_eq!(config.seed, u64::MAX);
-    let actions = [("right", "previous"), ("space:long", "none")];
-    assert_eq!(config.actions, actions.map(|(press, action)| (press.to_owned(), action.to_owned())));
-    let keys = config.keys.as_slice();
-    assert!(keys.contains(&(Key::Code(115), Button::Up)) && keys.len() == 2);
+    let action = |press: &str| config.actions.action(press.parse().unwrap());
+    let presses = ["right", "space:long", "space"].map(action);
+    assert_eq!(presses, [Some(Action::Previous), None, Some(Action::Pause)]);
+    assert_eq!(config.keys, codes(&[("115", Button::Up), ("KEY_PLAYPAUSE", Button::Space)]));
     let edges: Vec<_> = config.night.edges().iter().map(|edge| (edge.minute, edge.level)).collect();
     assert_eq!(edges, [(420, Level::Percent(100)), (1290, Level::Percent(40)), (1380, Level::Off)]);
     assert!(matches!(config.night.zone, Zone::Named(name) if name == "Asia/Tokyo"));
@@ -234,7 +242,8 @@ fn an_unknown_key_is_told_with_its_place_and_what_may_be_meant() {
     assert_eq!(fault("fps = 12"), ((1, 1), "fps belongs in [display]".into()));
     assert_eq!(fault("[log]\nboard = \"qemu\"").1, "board belongs before the first [section]");
     assert!(fault("display = 5").1.contains("write [display] on a line of its own"));
-    assert!(fault("[keys]\nRIGHT = \"right\"").1.contains("like KEY_RIGHT"));
+    assert!(fault("[keys]\nRIGHT = \"right\"").1.contains("like KEY_LEFT"));
+    assert!(fault("[keys]\n\"KEY\\n\" = \"right\"").1.starts_with("KEY\\n: unknown key"));
 }
 
 #[test]
@@ -278,10 +287,12 @@ fn a_wrong_value_is_told_with_its_place_and_what_is_needed() {
         ("[life]\namplitude = \"pink\"", (2, 13), "amplitude: unknown noise; the known ones are"),
         ("[life]\nseed = -1", (2, 8), "seed: a whole number from 0 to 18446744073709551615"),
         ("[life]\neffect = \"fire\"", (2, 10), "effect: unknown effect"),
+        ("[buttons]\nspace = \"nap\"", (2, 9), "space: unknown action; the known ones are next"),
+        ("[buttons]\nspade = \"next\"", (2, 9), "spade: unknown button; the known ones are left"),
         ("[buttons]\nspace = 1", (2, 9), "space: a text in quotes is needed"),
         ("[keys]\nKEY_A = \"a\"", (2, 9), "KEY_A: unknown button; the known ones are left"),
-        ("[night]\ntimes = [\"7:00 1\", \"07:00 2\"]", (2, 20), "times: this time is in the list already"),
-        ("[night]\ntimes = [\"25:00 1\"]", (2, 10), "times: a time of day"),
+        ("[night]\ntimes = [\"7:00 1%\", \"07:00 2%\"]", (2, 21), "times: this time is in the list already"),
+        ("[night]\ntimes = [\"25:00 1%\"]", (2, 10), "times: a time of day"),
         ("[night]\ntimes = [07:00:00]", (2, 10), "times: a text in quotes is needed; this is a date or time"),
         ("[night]\nzone = \"../../etc/passwd\"", (2, 8), "zone: local or the name of a time zone"),
         ("[memory]\nceiling = 1", (2, 11), "ceiling: a whole number from 16 to 65536 is needed"),
@@ -362,7 +373,7 @@ fn the_board_the_file_and_the_arguments_go_before_each_other_in_this_order() {
     assert_eq!((config.frames_per_second, config.rotation, config.seed), (24, Rotation::Half, 7));
     assert_eq!(config.plain_look().life.shimmer.wind, Turns::from_degrees(3));
     assert_eq!(config.photos, [files.path("here")]);
-    assert_eq!(config.keys.as_slice(), [(Key::Code(1), Button::Up), (Key::Code(2), Button::Down)]);
+    assert_eq!(config.keys, codes(&[("1", Button::Up), ("2", Button::Down)]));
 
     let words = ["shown", "--config", &file, "--display", "window", "--fps", "15", "--rotate", "270"];
     let config = Config::resolve(&run_args(&words)).unwrap();
