@@ -18,6 +18,8 @@ use crate::{
 pub struct Show {
     state: State,
     oscillator: Oscillator,
+    /// The noises of the amplitude and the frequency that the photo was last said to have.
+    noises: (Kind, Kind),
     drive: Drive,
     frames_per_second: u32,
     /// Frames presented since the show began.
@@ -42,6 +44,7 @@ impl Show {
         Self {
             state,
             oscillator,
+            noises: (settings.amplitude, settings.frequency),
             drive,
             frames_per_second,
             frame: 0,
@@ -55,6 +58,18 @@ impl Show {
     /// from the still photo.
     pub fn restart(&mut self) {
         (self.onset_frames, self.settled) = (0, 0);
+    }
+
+    /// The photo that is shown from now on has these noises. What the buttons have chosen stays while photos do not differ in
+    /// theirs.
+    pub fn choose_noises(&mut self, amplitude: Kind, frequency: Kind) {
+        let before = core::mem::replace(&mut self.noises, (amplitude, frequency));
+        if before.0 != amplitude {
+            self.oscillator.set_amplitude(amplitude);
+        }
+        if before.1 != frequency {
+            self.oscillator.set_frequency(frequency);
+        }
     }
 
     /// Does what a press is for, and tells what that asks of the caller.

@@ -2,10 +2,12 @@
 
 use super::{
     Failure, args,
+    config::Config,
     interrupt::Interrupt,
     panel::Panel,
     photo, render,
     scene::{self, Scene, Source},
+    set_log_level,
     stdout::print_line,
 };
 use crate::{
@@ -31,8 +33,10 @@ use std::{
 pub(super) fn demo() -> Result<(), Failure> {
     let args = args::Args::parse_from(["yurameki", "run", "--display", "window"]);
     let Some(args::Command::Run(args)) = args.command else { unreachable!("`run` was asked for") };
-    match Panel::open(args.display, args.fps) {
-        Ok(panel) => show(&args, &[Source::Demo], panel),
+    let mut config = Config::default();
+    config.apply_args(&args);
+    match Panel::open(config.display, config.frames_per_second) {
+        Ok(panel) => show(&config, &args, &[Source::Demo], panel),
         Err(why) => {
             log::info!("{why}");
             render::demo()
@@ -41,18 +45,20 @@ pub(super) fn demo() -> Result<(), Failure> {
 }
 
 pub(super) fn run(args: &args::Run) -> Result<(), Failure> {
-    let files = photo::list(&args.photos)?;
+    let config = Config::resolve(args)?;
+    set_log_level(config.log);
+    let files = photo::list(&config.photos)?;
     let mut sources: Vec<Source<'_>> = files.iter().map(|path| Source::File(path)).collect();
-    if args.photos.is_empty() {
+    if config.photos.is_empty() {
         sources.push(Source::Demo);
     }
-    show(args, &sources, Panel::open(args.display, args.fps)?)
+    show(&config, args, &sources, Panel::open(config.display, config.frames_per_second)?)
 }
 
 /// How long to wait before a display that is gone is asked again.
 const LOST_DISPLAY_WAIT: Duration = Duration::from_millis(250);
 
-fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<(), Failure> {
+fn show(config: &Config, args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<(), Failure> {
     let mut playlist = Playlist::new(sources.len()).ok_or_else(|| {
         Failure::new("there is no photo in these folders; JPEG, PNG, WebP, GIF, BMP and TIFF files are shown")
     })?;
@@ -60,19 +66,21 @@ fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<()
     let text = path.map_or(Ok(String::new()), read_script)?;
     let refused = |error| Failure::new(format!("{}: {error}", path.unwrap_or(Path::new("")).display()));
     let mut script = Script::parse(&text).map_err(refused)?;
-    let life = scene::turned(args.look.life().at(args.fps), args.rotate);
+    let frames_per_second = config.frames_per_second;
+    let drive = config.plain_look().life.at(frames_per_second).drive;
     let mut run = Running {
-        show: Show::new(life.drive, args.fps, args.look.seed),
-        keys: KeyMap::default(),
+        show: Show::new(drive, frames_per_second, config.seed),
+        keys: config.actions,
         clock: Instant::now(),
         interrupt: Interrupt::install()?,
         frames: args.frames,
-        frames_per_second: args.fps,
+        frames_per_second,
     };
+    panel.set_keys(config.actions);
     let (mut storage, mut skipped, mut failed_in_a_row) = (Vec::new(), HashSet::new(), 0);
     while failed_in_a_row < sources.len() {
         let size = panel.mode().layout.size;
-        let scene = match Scene::load(sources[playlist.current()], size, args.rotate, &args.look) {
+        let scene = match Scene::load(sources[playlist.current()], size, config) {
             Ok(scene) => scene,
             Err(failure) if sources.len() == 1 => return Err(failure),
             Err(failure) => {
@@ -85,6 +93,8 @@ fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<()
             }
         };
         failed_in_a_row = 0;
+        let life = scene::turned(scene.look().life.at(frames_per_second), config.rotation);
+        run.show.choose_noises(life.drive.amplitude, life.drive.frequency);
         storage.resize(storage_len(size), 0);
         let mut shimmer = Shimmer::prepare(scene.photo(), &life.shimmer, &mut storage)?;
         match run.photo(&mut shimmer, scene.name(), &mut panel, &mut script) {

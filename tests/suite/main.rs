@@ -3,6 +3,7 @@
 mod buttons;
 #[cfg(feature = "os")]
 mod cli;
+mod config;
 mod cross_geometry;
 mod display;
 #[cfg(feature = "os")]

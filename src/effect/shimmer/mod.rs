@@ -47,7 +47,6 @@ use crate::{
     math::{Factor, Turns},
     noise::drive::Drive,
 };
-use core::{fmt, str::FromStr};
 use storage::Planes;
 
 /// How the centre and the amplitude of a pixel's swing are found.
@@ -72,31 +71,6 @@ pub enum Branch {
     Falling,
     /// A hash of the pixel's place decides: grainy, for glitter.
     Scattered,
-}
-
-/// Implements names for an enum: `NAMES`, `Display` and `FromStr`, whose error lists the known names.
-macro_rules! named {
-    ($type:ident, $what:literal, $($variant:ident = $name:literal),+) => {
-        impl $type {
-            /// The known names, in the order in which they are listed to people.
-            pub const NAMES: &'static [(&'static str, Self)] = &[$(($name, Self::$variant)),+];
-        }
-
-        impl fmt::Display for $type {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str(match self { $(Self::$variant => $name),+ })
-            }
-        }
-
-        impl FromStr for $type {
-            type Err = &'static str;
-
-            fn from_str(word: &str) -> Result<Self, Self::Err> {
-                let known = Self::NAMES.iter().find(|(name, _)| *name == word);
-                known.map(|(_, value)| *value).ok_or(concat!("unknown ", $what, "; the known ones are" $(, " ", $name)+))
-            }
-        }
-    };
 }
 
 named!(Range, "range mode", Full = "full", Neighbourhood = "neighbourhood", Travelling = "travelling");
