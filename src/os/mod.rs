@@ -4,13 +4,17 @@
 //! needs from here.
 
 pub mod args;
+pub mod backlight;
 pub mod interrupt;
+pub mod library;
+pub mod local_time;
 pub mod output;
 mod panel;
 pub mod photo;
 pub mod progress;
 mod run;
 mod scene;
+pub mod state;
 mod usage;
 #[cfg(feature = "window")]
 pub mod window;

@@ -8,7 +8,11 @@ use super::{
     scene::{self, Scene, Source},
 };
 use crate::{
-    app::{Request, Show, pace::Pace, playlist::Playlist},
+    app::{
+        Request, Show,
+        pace::Pace,
+        playlist::{Order, PhotoId, Playlist, Slot},
+    },
     display::{Display, DisplayError},
     effect::shimmer::{Shimmer, storage_len},
     input::{Buttons, script::Script},
@@ -45,9 +49,13 @@ pub(super) fn run(args: &args::Run) -> Result<(), Failure> {
 const LOST_DISPLAY_WAIT: Duration = Duration::from_millis(250);
 
 fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<(), Failure> {
-    let mut playlist = Playlist::new(sources.len()).ok_or_else(|| {
-        Failure::new("there is no photo in these folders; JPEG, PNG, WebP, GIF, BMP and TIFF files are shown")
-    })?;
+    let mut playlist = Playlist::new(vec![Slot::EMPTY; sources.len()], Order::Name, args.look.seed);
+    playlist.update(&(0..sources.len() as u64).map(PhotoId).collect::<Vec<_>>());
+    if playlist.is_empty() {
+        return Err(Failure::new(
+            "there is no photo in these folders; JPEG, PNG, WebP, GIF, BMP and TIFF files are shown",
+        ));
+    }
     let script = args.script.as_deref().map(read_script).transpose()?.unwrap_or_default();
     let mut script = Script::parse(&script).map_err(|e| Failure::new(format!("the script: {e}")))?;
     let life = scene::turned(args.look.life().at(args.fps), args.rotate);
@@ -59,12 +67,14 @@ fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<()
         frames_per_second: args.fps,
     };
     let (mut storage, mut skipped, mut failed_in_a_row) = (Vec::new(), HashSet::new(), 0);
-    while failed_in_a_row < sources.len() {
+    while let Some(PhotoId(photo)) = playlist.current()
+        && failed_in_a_row < sources.len()
+    {
         let size = panel.mode().layout.size;
-        let scene = match Scene::load(sources[playlist.current()], size, args.rotate, &args.look) {
+        let scene = match Scene::load(sources[photo as usize], size, args.rotate, &args.look) {
             Ok(scene) => scene,
             Err(failure) => {
-                if skipped.insert(playlist.current()) {
+                if skipped.insert(photo) {
                     log::warn!("skipped: {failure}");
                 }
                 failed_in_a_row += 1;

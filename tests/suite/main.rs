@@ -8,6 +8,7 @@ mod noise;
 mod output;
 #[cfg(feature = "os")]
 mod photo;
+mod playlist;
 mod spectrum;
 #[cfg(feature = "window")]
 mod window;
