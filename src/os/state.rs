@@ -32,7 +32,7 @@ const STATE: &str = "state";
 const HIDDEN: &str = "hidden.txt";
 
 /// What the first line of a state begins with.
-const TITLE: &str = "yurameki state";
+const TITLE: &str = "yurameki state ";
 
 /// The version of the format. Whatever changes the meaning of a line counts it up.
 const VERSION: u32 = 1;
@@ -87,7 +87,7 @@ impl State {
     pub fn to_text(&self) -> String {
         let body = self.body();
         let sum = checksum(body.as_bytes());
-        format!("{TITLE} {VERSION} {sum}\n{body}")
+        format!("{TITLE}{VERSION} {sum}\n{body}")
     }
 
     fn body(&self) -> String {
@@ -111,7 +111,7 @@ impl State {
         let end = text.iter().position(|&byte| byte == b'\n').ok_or(Fault::Foreign)?;
         let (title, body) = (&text[..end], &text[end + 1..]);
         let title = str::from_utf8(title).ok().and_then(|title| title.strip_prefix(TITLE));
-        let (version, sum) = title.and_then(|rest| rest.trim().split_once(' ')).ok_or(Fault::Foreign)?;
+        let (version, sum) = title.and_then(|rest| rest.split_once(' ')).ok_or(Fault::Foreign)?;
         match version.parse() {
             Ok(VERSION) => {}
             Ok(version) => return Err(Fault::Version(version)),

@@ -1,8 +1,12 @@
 //! The integration tests: one binary, one module a theme.
 
 mod display;
+#[cfg(feature = "os")]
+mod library;
 mod logbook;
 mod mask;
+#[cfg(feature = "os")]
+mod night;
 mod noise;
 #[cfg(feature = "os")]
 mod output;
@@ -10,5 +14,7 @@ mod output;
 mod photo;
 mod playlist;
 mod spectrum;
+#[cfg(feature = "os")]
+mod state;
 #[cfg(feature = "window")]
 mod window;

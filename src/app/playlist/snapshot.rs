@@ -26,7 +26,9 @@ pub struct Snapshot {
 impl<M: DerefMut<Target = [Slot]>> Playlist<M> {
     /// What must be remembered.
     pub fn snapshot(&self) -> Snapshot {
-        let early = self.slots[..self.len].iter().filter(|slot| slot.early);
+        // One whose turn passed while it was away is new again when it comes back.
+        let passed_over = |slot: &Slot| !slot.drawn && Some(slot.place()) <= self.place;
+        let early = self.slots[..self.len].iter().filter(|slot| slot.early && !passed_over(slot));
         Snapshot {
             order: self.order,
             salt: self.salt,
