@@ -1,7 +1,10 @@
 //! Yurameki, the program: arguments in, an exit code out. What it does stands in [`yurameki::os`].
 
 use clap::Parser;
-use std::{io::Write, process::ExitCode};
+use std::{
+    io::{self, Write},
+    process::ExitCode,
+};
 
 /// Exit codes: 0 done, 1 failed, 2 asked for what cannot be (by clap).
 fn main() -> ExitCode {
@@ -15,7 +18,8 @@ fn main() -> ExitCode {
     match yurameki::os::execute(args) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("yurameki: {failure}");
+            // `eprintln!` would panic where even that cannot be written.
+            let _ = writeln!(io::stderr(), "yurameki: {failure}");
             ExitCode::FAILURE
         }
     }

@@ -1,7 +1,7 @@
 //! The command line, as typed.
 
 use super::{
-    output::{FrameRate, Target},
+    output::{FileFormat, FrameRate, Target},
     photo::Fit,
 };
 use crate::{
@@ -45,8 +45,7 @@ pub enum Command {
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
 pub struct Run {
-    /// Photos, and folders of photos.
-    #[arg(required = true)]
+    /// Photos, and folders of photos; without any, the built-in demo photo.
     pub photos: Vec<PathBuf>,
     /// Where to show them: auto, window, or a simulated panel as sim:WIDTHxHEIGHT[:FORMAT[:STRIDE_BYTES]].
     #[arg(long, default_value = "auto")]
@@ -133,8 +132,8 @@ pub struct Mask {
     /// The photo.
     pub photo: PathBuf,
     /// The picture to write: white moves, black is still.
-    #[arg(long, value_name = "FILE.png")]
-    pub out: PathBuf,
+    #[arg(long, value_name = "FILE.png", value_parser = png_target())]
+    pub out: Target,
 }
 
 /// How photos live.
@@ -218,7 +217,11 @@ impl FromStr for DisplayChoice {
             "auto" => Ok(Self::Auto),
             "window" => Ok(Self::Window),
             sim if sim.starts_with("sim") => {
-                sim.parse().map(Self::Sim).map_err(|e: sim::SpecError| e.to_string())
+                let spec: sim::Spec = sim.parse().map_err(|e: sim::SpecError| e.to_string())?;
+                if spec.0.size.pixels() > MOST_PIXELS {
+                    return Err(TOO_MANY_PIXELS.into());
+                }
+                Ok(Self::Sim(spec))
             }
             _ => Err(
                 "unknown display; the known ones are auto, window, sim:WIDTHxHEIGHT[:FORMAT[:STRIDE_BYTES]]"
@@ -251,16 +254,32 @@ impl FromStr for MaskChoice {
     }
 }
 
-fn size(word: &str) -> Result<Size, String> {
+/// The most pixels of a frame: those of 8K UHD, the largest panel that is sold. A frame takes about 26 bytes a pixel of memory, 0.9 GB then.
+const MOST_PIXELS: usize = 7_680 * 4_320;
+const TOO_MANY_PIXELS: &str = "the largest frame is one of 7680x4320 pixels, or as many in another shape";
+
+/// Reads a size as people type it: WIDTHxHEIGHT.
+///
+/// # Errors
+/// Anything else; one line that says what a size is.
+pub fn size(word: &str) -> Result<Size, &'static str> {
     let form = "a size is WIDTHxHEIGHT in pixels, each 1 to 16384, like 1024x600";
     let (width, height) = word.split_once(['x', 'X', '×']).ok_or(form)?;
     let side =
         |text: &str| text.parse().ok().filter(|side| (1..=crate::frame::Layout::MAX_SIDE).contains(side));
-    Ok(Size::new(side(width).ok_or(form)?, side(height).ok_or(form)?))
+    let size = Size::new(side(width).ok_or(form)?, side(height).ok_or(form)?);
+    if size.pixels() > MOST_PIXELS { Err(TOO_MANY_PIXELS) } else { Ok(size) }
 }
 
 fn target() -> impl TypedValueParser<Value = Target> {
     OsStringValueParser::new().try_map(|word| Target::parse(&word))
+}
+
+fn png_target() -> impl TypedValueParser<Value = Target> {
+    target().try_map(|target| match target {
+        Target::File { format: FileFormat::Png, .. } => Ok(target),
+        other => Err(format!("{other}: a mask is written as a picture; name a file that ends in .png")),
+    })
 }
 
 fn phase(word: &str) -> Result<PhaseForm, &'static str> {

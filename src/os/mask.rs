@@ -2,8 +2,9 @@
 
 use super::{
     Failure, args,
-    output::{FrameRate, Target, Writer},
+    output::{FrameRate, Writer},
     photo, scene,
+    stdout::print_line,
 };
 use crate::frame::{FrameRef, Layout, PixelFormat, Size};
 
@@ -17,12 +18,10 @@ pub(super) fn mask(args: &args::Mask) -> Result<(), Failure> {
 
     let grey: Vec<u8> = mask.iter().flat_map(|&level| [level; 3]).collect();
     let frame = FrameRef::new(&grey, Layout::new(size, PixelFormat::Bgr888, None)?)?;
-    let target = Target::parse(args.out.as_os_str())?;
     let once = FrameRate::new(1, 1).unwrap_or_else(|| unreachable!("one frame a second is a rate"));
-    let mut writer = Writer::create(&target, size, once, 1)?;
+    let mut writer = Writer::create(&args.out, size, once, 1)?;
     writer.write(frame)?;
     writer.finish()?;
     let moving = mask.iter().map(|&level| u64::from(level)).sum::<u64>() * 100 / 255 / size.pixels() as u64;
-    println!("{}: {moving} % of the photo moves", args.out.display());
-    Ok(())
+    print_line(format_args!("{}: {moving} % of the photo moves", args.out))
 }

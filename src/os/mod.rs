@@ -10,11 +10,13 @@ pub mod library;
 pub mod local_time;
 pub mod output;
 mod panel;
+mod panics;
 pub mod photo;
 pub mod progress;
 mod run;
-mod scene;
+pub mod scene;
 pub mod state;
+mod stdout;
 mod usage;
 #[cfg(feature = "window")]
 pub mod window;

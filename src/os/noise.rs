@@ -1,6 +1,6 @@
 //! `yurameki noise`: a noise as numbers, for people who check a slope with their own tools.
 
-use super::{Failure, args};
+use super::{Failure, args, stdout::written};
 use crate::{
     math::random::{Stream, stream},
     noise::{
@@ -8,15 +8,10 @@ use crate::{
         drive::{Oscillator, Settings},
     },
 };
-use std::io::{self, BufWriter, ErrorKind, Write};
+use std::io::{self, BufWriter, Write};
 
 pub(super) fn noise(args: &args::Noise) -> Result<(), Failure> {
-    match print(args, BufWriter::new(io::stdout().lock())) {
-        // `| head` has seen enough.
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
-        Err(error) => Err(Failure::new(format!("standard output: {error}; write to a place with room"))),
-        Ok(()) => Ok(()),
-    }
+    written(print(args, BufWriter::new(io::stdout().lock())))
 }
 
 fn print(args: &args::Noise, mut out: impl Write) -> io::Result<()> {

@@ -107,6 +107,10 @@ impl Display for Panel {
 }
 
 impl Buttons for Panel {
+    #[cfg_attr(
+        not(feature = "window"),
+        expect(unused_variables, reason = "a simulated panel has no buttons")
+    )]
     fn next_press(&mut self, frame: u64) -> Option<Button> {
         match self {
             #[cfg(feature = "window")]

@@ -6,6 +6,7 @@ use super::{
     output::{FrameHash, Target, Writer},
     progress::Progress,
     scene::{Scene, Source},
+    stdout::print_line,
 };
 use crate::{
     app::Show,
@@ -25,8 +26,7 @@ pub(super) fn demo() -> Result<(), Failure> {
         unreachable!("`render` was asked for")
     };
     film(&args, Source::Demo)?;
-    println!("{out}: the demo photo, alive for {} seconds", args.frames / args.fps);
-    Ok(())
+    print_line(format_args!("{out}: the demo photo, alive for {} seconds", args.frames / args.fps))
 }
 
 pub(super) fn render(args: &args::Render) -> Result<(), Failure> {
@@ -67,7 +67,7 @@ fn film(args: &args::Render, source: Source<'_>) -> Result<(), Failure> {
         writer.finish()?;
     }
     if let Some(hash) = hash {
-        println!("{}", hash.hex());
+        print_line(hash.hex())?;
     }
     Ok(())
 }

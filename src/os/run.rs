@@ -6,6 +6,7 @@ use super::{
     panel::Panel,
     photo, render,
     scene::{self, Scene, Source},
+    stdout::print_line,
 };
 use crate::{
     app::{
@@ -20,7 +21,8 @@ use crate::{
 use clap::Parser;
 use std::{
     collections::HashSet,
-    fs,
+    fs::File,
+    io::Read,
     path::Path,
     thread::sleep,
     time::{Duration, Instant},
@@ -28,7 +30,7 @@ use std::{
 
 /// Without any argument: the demo photo in a window, or, where no window opens, in a file.
 pub(super) fn demo() -> Result<(), Failure> {
-    let args = args::Args::parse_from(["yurameki", "run", "demo", "--display", "window"]);
+    let args = args::Args::parse_from(["yurameki", "run", "--display", "window"]);
     let Some(args::Command::Run(args)) = args.command else { unreachable!("`run` was asked for") };
     match Panel::open(args.display, args.fps) {
         Ok(panel) => show(&args, &[Source::Demo], panel),
@@ -41,7 +43,10 @@ pub(super) fn demo() -> Result<(), Failure> {
 
 pub(super) fn run(args: &args::Run) -> Result<(), Failure> {
     let files = photo::list(&args.photos)?;
-    let sources: Vec<Source<'_>> = files.iter().map(|path| Source::File(path)).collect();
+    let mut sources: Vec<Source<'_>> = files.iter().map(|path| Source::File(path)).collect();
+    if args.photos.is_empty() {
+        sources.push(Source::Demo);
+    }
     show(args, &sources, Panel::open(args.display, args.fps)?)
 }
 
@@ -56,8 +61,10 @@ fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<()
             "there is no photo in these folders; JPEG, PNG, WebP, GIF, BMP and TIFF files are shown",
         ));
     }
-    let script = args.script.as_deref().map(read_script).transpose()?.unwrap_or_default();
-    let mut script = Script::parse(&script).map_err(|e| Failure::new(format!("the script: {e}")))?;
+    let path = args.script.as_deref();
+    let text = path.map_or(Ok(String::new()), read_script)?;
+    let refused = |error| Failure::new(format!("{}: {error}", path.unwrap_or(Path::new("")).display()));
+    let mut script = Script::parse(&text).map_err(refused)?;
     let life = scene::turned(args.look.life().at(args.fps), args.rotate);
     let mut run = Running {
         show: Show::new(life.drive, args.fps, args.look.seed),
@@ -73,6 +80,7 @@ fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<()
         let size = panel.mode().layout.size;
         let scene = match Scene::load(sources[photo as usize], size, args.rotate, &args.look) {
             Ok(scene) => scene,
+            Err(failure) if sources.len() == 1 => return Err(failure),
             Err(failure) => {
                 if skipped.insert(photo) {
                     log::warn!("skipped: {failure}");
@@ -89,10 +97,7 @@ fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<()
             Some(Request::NextPhoto) => playlist.next(),
             Some(Request::PreviousPhoto) => playlist.previous(),
             Some(Request::Quit) => {
-                if let Some(report) = panel.report() {
-                    println!("{report}");
-                }
-                return Ok(());
+                return panel.report().map_or(Ok(()), print_line);
             }
             // The panel has another mode: the same photo again.
             None => {}
@@ -101,8 +106,19 @@ fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<()
     Err(Failure::new("none of the photos can be shown"))
 }
 
+/// The most bytes of a script: a press a second for a week would fit.
+const LONGEST_SCRIPT: u64 = 16 << 20;
+
+/// The text of a script, of a file or of a pipe.
 fn read_script(path: &Path) -> Result<String, Failure> {
-    fs::read_to_string(path).map_err(|error| Failure::new(format!("the script {}: {error}", path.display())))
+    let refused = |why: &str| Failure::new(format!("{}: {why}", path.display()));
+    let mut bytes = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(LONGEST_SCRIPT + 1).read_to_end(&mut bytes));
+    read.map_err(|error| refused(&format!("the script cannot be read ({error}); name another file")))?;
+    if bytes.len() as u64 > LONGEST_SCRIPT {
+        return Err(refused("the script is over 16 MiB; make it shorter"));
+    }
+    String::from_utf8(bytes).map_err(|_| refused("the script is no text; save it as UTF-8"))
 }
 
 /// The loop, and what it looks at between frames.

@@ -18,7 +18,7 @@ use std::path::Path;
 
 /// Which photo.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Source<'a> {
+pub enum Source<'a> {
     /// A file.
     File(&'a Path),
     /// The one that the program carries.
@@ -30,7 +30,7 @@ static DEMO: &[u8] = include_bytes!("../../tests/data/demo.jpg");
 
 /// A photo and its mask at the panel's size, turned as the panel is mounted.
 #[derive(Debug)]
-pub(super) struct Scene {
+pub struct Scene {
     name: String,
     size: Size,
     rgb: Vec<u8>,
@@ -39,12 +39,10 @@ pub(super) struct Scene {
 
 impl Scene {
     /// Loads the photo at `source` and its mask for a panel of `size` that is mounted turned by `rotation`.
-    pub(super) fn load(
-        source: Source<'_>,
-        size: Size,
-        rotation: Rotation,
-        look: &Look,
-    ) -> Result<Self, Failure> {
+    ///
+    /// # Errors
+    /// A photo or mask that cannot be used; one line that names it, what is wrong and the cure.
+    pub fn load(source: Source<'_>, size: Size, rotation: Rotation, look: &Look) -> Result<Self, Failure> {
         let upright = rotation.turned(size);
         let options = photo::Options { fit: look.fit, ..photo::Options::new(upright) };
         let photo = match source {
@@ -64,12 +62,12 @@ impl Scene {
     }
 
     /// What people call the photo: the name of its file.
-    pub(super) fn name(&self) -> &str {
+    pub fn name(&self) -> &str {
         &self.name
     }
 
     /// What an effect is prepared from.
-    pub(super) fn photo(&self) -> Photo<'_> {
+    pub fn photo(&self) -> Photo<'_> {
         Photo { size: self.size, rgb: &self.rgb, mask: &self.mask }
     }
 }
@@ -141,5 +139,63 @@ fn rows(photo: &photo::Photo) -> impl Iterator<Item = std::ops::Range<usize>> {
 fn paste(mask: &mut [u8], photo: &photo::Photo, part: &[u8]) {
     for (row, part) in rows(photo).zip(part.chunks_exact(photo.picture.size.width as usize)) {
         mask[row].copy_from_slice(part);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        effect::{
+            Effect, Paint,
+            shimmer::{Range, Shimmer, storage_len},
+        },
+        frame::{FrameMut, Layout, PixelFormat},
+        math::Factor,
+        noise::drive::Drive,
+    };
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Words {
+        #[command(flatten)]
+        look: Look,
+    }
+
+    /// The demo photo at a moment of its life on a panel that is mounted turned, seen upright.
+    fn upright(size: Size, rotation: Rotation, range: Range) -> Vec<[u8; 3]> {
+        let look = Words::parse_from(["", "--light", "20,35", "--wind", "65", "--strength", "1.5"]).look;
+        let mut life = turned(look.life(), rotation);
+        life.shimmer.range = range;
+        let panel = rotation.turned(size);
+        let scene = Scene::load(Source::Demo, panel, rotation, &look).unwrap();
+        let mut storage = vec![0; storage_len(panel)];
+        let mut shimmer = Shimmer::prepare(scene.photo(), &life.shimmer, &mut storage).unwrap();
+        let layout = Layout::new(panel, PixelFormat::Bgr888, None).unwrap();
+        let mut bytes = vec![0; layout.len_bytes()];
+        let drive = Drive {
+            amplitude: Factor::ONE,
+            frequency: Factor::ONE,
+            phase: Turns::from_degrees(110),
+            onset: Factor::ONE,
+        };
+        shimmer.render(drive, Paint::Everything, &mut FrameMut::new(&mut bytes, layout).unwrap());
+        let mut picture = vec![[0; 3]; panel.pixels()];
+        rotate(rotation.inverse(), bytes.as_chunks::<3>().0, panel, &mut picture);
+        picture
+    }
+
+    #[test]
+    fn light_and_wind_turn_with_the_picture() {
+        let size = Size::new(240, 131);
+        for &(name, range) in Range::NAMES {
+            let want = upright(size, Rotation::None, range);
+            for rotation in [Rotation::Quarter, Rotation::Half, Rotation::ThreeQuarter] {
+                let got = upright(size, rotation, range);
+                let worst =
+                    got.as_flattened().iter().zip(want.as_flattened()).map(|(a, b)| a.abs_diff(*b)).max();
+                assert!(worst <= Some(2), "{name} turned by {rotation}: {worst:?} levels from upright");
+            }
+        }
     }
 }

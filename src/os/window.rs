@@ -6,12 +6,13 @@
 //! Keys: ← → ↑ ↓ ENTER SPACE I ESC are the frame's buttons. F or F11 enters and leaves full screen, where the pointer is
 //! hidden. A key that is held down counts once.
 
+use super::panics::without_panic;
 use crate::{
     display::{BackBuffer, Display, DisplayError, Mode},
     frame::{FrameMut, Layout, PixelFormat, Size},
     input::{Button, Buttons},
 };
-use std::{collections::VecDeque, env, fmt, num::NonZeroU32, panic, rc::Rc, time::Duration};
+use std::{collections::VecDeque, env, fmt, num::NonZeroU32, rc::Rc, time::Duration};
 use winit::{
     application::ApplicationHandler,
     dpi::PhysicalSize,
@@ -51,6 +52,8 @@ impl Window {
         if !is_possible() {
             return Err(WindowError::NoScreen);
         }
+        // winit panics where a library of the window system is not installed (`libxkbcommon-x11.so`) and where an X server
+        // lacks an extension. For this program those are reasons to go on without a window.
         without_panic(|| Self::try_open(title, size)).unwrap_or_else(|cause| Err(WindowError::Refused(cause)))
     }
 
@@ -347,21 +350,6 @@ fn refused(error: impl fmt::Display) -> WindowError {
     WindowError::Refused(after_the_place.map_or(told.as_str(), |(_, cause)| cause).to_owned())
 }
 
-/// What `open` gives, or the message of its panic.
-///
-/// winit panics where a library of the window system is not installed (`libxkbcommon-x11.so`) and where an X server lacks
-/// an extension. For this program those are reasons to go on without a window.
-fn without_panic<T>(open: impl FnOnce() -> T) -> Result<T, String> {
-    let hook = panic::take_hook();
-    panic::set_hook(Box::new(|_| {}));
-    let outcome = panic::catch_unwind(panic::AssertUnwindSafe(open));
-    panic::set_hook(hook);
-    outcome.map_err(|panic| match panic.downcast::<String>() {
-        Ok(message) => *message,
-        Err(panic) => panic.downcast_ref::<&str>().copied().unwrap_or("an unknown failure").to_owned(),
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -386,12 +374,5 @@ mod tests {
         assert_eq!(frame_size(PhysicalSize::new(801, 3)), Some(Size::new(801, 3)));
         assert_eq!(frame_size(PhysicalSize::new(0, 3)), None);
         assert_eq!(frame_size(PhysicalSize::new(40_000, 3)), Some(Size::new(Layout::MAX_SIDE, 3)));
-    }
-
-    #[test]
-    fn a_panic_of_the_window_library_becomes_its_message() {
-        assert_eq!(without_panic(|| 1), Ok(1));
-        assert_eq!(without_panic(|| -> u8 { panic!("no {}", "library") }), Err("no library".into()));
-        assert_eq!(without_panic(|| -> u8 { panic!("no library") }), Err("no library".into()));
     }
 }

@@ -1,6 +1,12 @@
 //! The integration tests: one binary, one module a theme.
 
+#[cfg(feature = "os")]
+mod cli;
+mod cross_geometry;
 mod display;
+#[cfg(feature = "os")]
+mod goldens;
+mod layering;
 #[cfg(feature = "os")]
 mod library;
 mod logbook;
@@ -13,7 +19,9 @@ mod output;
 #[cfg(feature = "os")]
 mod photo;
 mod playlist;
+mod show;
 mod spectrum;
+mod stage;
 #[cfg(feature = "os")]
 mod state;
 #[cfg(feature = "window")]

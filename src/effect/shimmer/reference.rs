@@ -83,21 +83,7 @@ fn heights(photo: Photo<'_>, settings: &Settings) -> [Plane; 3] {
             )
         }
         Range::Travelling => {
-            let radii = [1.0, 2.0, 4.0].map(|r| (r * scale).round() as isize);
-            let blurs = radii.map(|radius| luma.blurred(radius));
-            let band = blurs[0].minus(&blurs[2]);
-            let riesz = luma.map(|x, y| {
-                let one = |narrow: usize| {
-                    let wave = blurs[narrow].minus(&blurs[narrow + 1]);
-                    let r = radii[narrow] as f64;
-                    let per_omega = (2.0 / 3.0 * r * (r + 1.0)).sqrt() / 0.961;
-                    let (dx, dy) =
-                        (wave.at(x + 1, y) - wave.at(x - 1, y), wave.at(x, y + 1) - wave.at(x, y - 1));
-                    let wind = radians(settings.wind);
-                    -per_omega * (dx * wind.sin() - dy * wind.cos()) / 2.0
-                };
-                one(0) + one(1)
-            });
+            let [riesz, band] = local_phase(&luma, scale, settings.wind);
             let even = luma.map(|x, y| 24.0 / (riesz.at(x, y).hypot(band.at(x, y)) + 12.0));
             let quadrature = luma.map(|x, y| band.at(x, y) * even.at(x, y));
             let centre =
@@ -112,6 +98,24 @@ fn heights(photo: Photo<'_>, settings: &Settings) -> [Plane; 3] {
         sign * (a * a - q * q).max(0.0).sqrt()
     });
     [in_phase, quadrature, centre]
+}
+
+/// R_w B by the derivatives of two octave bands, and B, before the swing is evened.
+fn local_phase(luma: &Plane, scale: f64, wind: Turns) -> [Plane; 2] {
+    let radii = [1.0, 2.0, 4.0].map(|r| (r * scale).round() as isize);
+    let blurs = radii.map(|radius| luma.blurred(radius));
+    let wind = radians(wind);
+    let octave = |narrow: usize| {
+        let wave = blurs[narrow].minus(&blurs[narrow + 1]);
+        let r = radii[narrow] as f64;
+        let per_omega = (2.0 / 3.0 * r * (r + 1.0)).sqrt() / 0.961;
+        wave.map(|x, y| {
+            let (dx, dy) = (wave.at(x + 1, y) - wave.at(x - 1, y), wave.at(x, y + 1) - wave.at(x, y - 1));
+            -per_omega * (dx * wind.sin() - dy * wind.cos()) / 2.0
+        })
+    };
+    let [fine, coarse] = [0, 1].map(octave);
+    [luma.map(|x, y| fine.at(x, y) + coarse.at(x, y)), blurs[0].minus(&blurs[2])]
 }
 
 /// The slopes of a pixel, from P, Q and C, flattened to 60°.
@@ -292,5 +296,62 @@ mod tests {
             eprintln!("{range}: worst {worst:.3}, rms {rms:.3} levels");
             assert!(worst <= 2.0 && rms <= 0.5, "{range}: worst {worst}, rms {rms}");
         }
+    }
+
+    /// A real square plane times `transfer(u, v)` (purely imaginary and odd, here its imaginary part) in the frequency domain, by the
+    /// definition of the Fourier transform, direction by direction.
+    fn filtered(plane: &Plane, transfer: impl Fn(f64, f64) -> f64) -> Plane {
+        let n = plane.width;
+        let angle = |k: usize| core::f64::consts::TAU * (k % n) as f64 / n as f64;
+        // Rows, then columns; `sign` −1 forwards, +1 backwards.
+        let along_rows = |re: &[f64], im: &[f64], sign: f64| -> [Vec<f64>; 2] {
+            let sum = |i: usize, part: fn(f64, f64, f64, f64) -> f64| {
+                let (y, k) = (i / n, i % n);
+                (0..n)
+                    .map(|x| {
+                        part(re[y * n + x], im[y * n + x], angle(k * x).cos(), sign * angle(k * x).sin())
+                    })
+                    .sum()
+            };
+            let real = |re: f64, im: f64, cos: f64, sin: f64| re * cos - im * sin;
+            let imaginary = |re: f64, im: f64, cos: f64, sin: f64| re * sin + im * cos;
+            [(0..n * n).map(|i| sum(i, real)).collect(), (0..n * n).map(|i| sum(i, imaginary)).collect()]
+        };
+        let turned = |v: &[f64]| -> Vec<f64> { (0..n * n).map(|i| v[i % n * n + i / n]).collect() };
+        let both = |re: &[f64], im: &[f64], sign: f64| {
+            let [re, im] = along_rows(re, im, sign);
+            let [re, im] = along_rows(&turned(&re), &turned(&im), sign);
+            [turned(&re), turned(&im)]
+        };
+        let [mut re, mut im] = both(&plane.values, &vec![0.0; n * n], -1.0);
+        let frequency = |k: usize| if k <= n / 2 { k as f64 } else { k as f64 - n as f64 };
+        for i in 0..n * n {
+            let factor = transfer(frequency(i % n), frequency(i / n));
+            (re[i], im[i]) = (-im[i] * factor, re[i] * factor);
+        }
+        let [re, _] = both(&re, &im, 1.0);
+        Plane { width: n, values: re.iter().map(|v| v / (n * n) as f64).collect() }
+    }
+
+    #[test]
+    fn the_bands_derivative_is_close_to_the_riesz_transform() {
+        let n = 64;
+        // A texture that repeats, with all wavelengths: blurred noise plus noise.
+        let rgb = picture(Size::new(n as u32, n as u32), 4);
+        let noise = Plane::from(n, n, |x, y| f64::from(rgb[(y * n + x) * 3]));
+        let tiled = Plane::from(3 * n, 3 * n, |x, y| noise.at((x % n) as isize, (y % n) as isize));
+        let smooth = tiled.blurred(3);
+        let texture = tiled.map(|x, y| tiled.at(x, y) / 4.0 + smooth.at(x, y));
+        let wind = Turns::from_degrees(90);
+        let [riesz, band] = local_phase(&texture, 1.0, wind);
+        let centre = |plane: &Plane| Plane::from(n, n, |x, y| plane.at((x + n) as isize, (y + n) as isize));
+        let (got, band) = (centre(&riesz), centre(&band));
+        // R_w: −i·(w·k)/|k|.
+        let exact = filtered(&band, |u, v| if u == 0.0 && v == 0.0 { 0.0 } else { -u / u.hypot(v) });
+        let dot = |a: &Plane, b: &Plane| a.values.iter().zip(&b.values).map(|(a, b)| a * b).sum::<f64>();
+        let correlation = dot(&got, &exact) / (dot(&got, &got) * dot(&exact, &exact)).sqrt();
+        let amplitude = (dot(&got, &got) / dot(&exact, &exact)).sqrt();
+        eprintln!("correlation {correlation:.4}, amplitude {amplitude:.3}");
+        assert!(correlation > 0.96 && (0.9..1.1).contains(&amplitude), "{correlation} {amplitude}");
     }
 }

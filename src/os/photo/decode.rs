@@ -7,12 +7,12 @@ use super::{
     format::{self, JpegOutline},
     scale,
 };
-use crate::frame::{Size, resample::MAX_SIDE};
-use image::{ColorType, ImageDecoder, ImageError, ImageFormat, ImageReader, metadata::Orientation};
-use std::{
-    io::{Cursor, ErrorKind},
-    panic::{AssertUnwindSafe, catch_unwind},
+use crate::{
+    frame::{Size, resample::MAX_SIDE},
+    os::panics::without_panic,
 };
+use image::{ColorType, ImageDecoder, ImageError, ImageFormat, ImageReader, metadata::Orientation};
+use std::io::{Cursor, ErrorKind};
 
 /// A decoded photo, as its file stores it.
 pub(super) struct Decoded {
@@ -29,8 +29,7 @@ pub(super) struct Decoded {
 pub(super) fn decode(bytes: &[u8], limits: &Limits) -> Result<Decoded, Fault> {
     let format = format::guess(bytes)?;
     // A panic in a decoder concerns nothing but what it was building, which is dropped.
-    let decoded = catch_unwind(AssertUnwindSafe(|| decode_as(format, bytes, limits)));
-    decoded.unwrap_or(Err(Fault::Broken))
+    without_panic(|| decode_as(format, bytes, limits)).unwrap_or(Err(Fault::Broken))
 }
 
 fn decode_as(format: ImageFormat, bytes: &[u8], limits: &Limits) -> Result<Decoded, Fault> {
@@ -124,7 +123,7 @@ impl Decoded {
         let grey = !self.samples.has_color();
         let profile = self.icc.as_ref().map(|icc| {
             // The profile comes from outside too.
-            catch_unwind(|| Colour::from_icc(icc, grey, entries))
+            without_panic(|| Colour::from_icc(icc, grey, entries))
                 .unwrap_or_else(|_| Err("it is broken".to_owned()))
         });
         match profile {

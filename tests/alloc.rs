@@ -1,0 +1,119 @@
+//! A show that runs takes no memory from the heap: counted, with every button pressed on the way.
+//!
+//! A binary of its own, because an allocator is counted for a whole program.
+
+use std::{
+    alloc::{GlobalAlloc, Layout as Block, System},
+    cell::Cell,
+    hint::black_box,
+};
+use yurameki::{
+    app::Show,
+    config::Life,
+    display::sim::{Buffering, Sim, memory_len},
+    effect::{
+        Photo,
+        shimmer::{Range, Shimmer, storage_len},
+    },
+    frame::{Layout, PixelFormat, Size},
+    input::Button,
+};
+
+struct Counting;
+
+thread_local! {
+    /// Calls of this thread: tests run in parallel, and the test harness allocates when it likes.
+    static CALLS: Cell<u64> = const { Cell::new(0) };
+}
+
+fn count() {
+    CALLS.set(CALLS.get() + 1);
+}
+
+// SAFETY: every call goes on to the system's allocator as it came; counting allocates nothing, as the cell is initialised by a
+// constant and has no destructor.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, block: Block) -> *mut u8 {
+        count();
+        // SAFETY: the caller's promises are passed on.
+        unsafe { System.alloc(block) }
+    }
+
+    unsafe fn dealloc(&self, memory: *mut u8, block: Block) {
+        count();
+        // SAFETY: the caller's promises are passed on.
+        unsafe { System.dealloc(memory, block) }
+    }
+
+    unsafe fn alloc_zeroed(&self, block: Block) -> *mut u8 {
+        count();
+        // SAFETY: the caller's promises are passed on.
+        unsafe { System.alloc_zeroed(block) }
+    }
+
+    unsafe fn realloc(&self, memory: *mut u8, block: Block, size: usize) -> *mut u8 {
+        count();
+        // SAFETY: the caller's promises are passed on.
+        unsafe { System.realloc(memory, block, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Calls of the allocator while `work` runs.
+fn calls<T>(work: impl FnOnce() -> T) -> u64 {
+    let before = CALLS.get();
+    black_box(work());
+    CALLS.get() - before
+}
+
+#[test]
+fn the_counter_counts() {
+    assert_eq!(calls(|| drop(black_box(vec![1_u8; 100]))), 2);
+    assert_eq!(calls(|| drop(black_box(vec![0_u8; 100]))), 2);
+    assert_eq!(calls(|| black_box(1) + 1), 0);
+}
+
+/// Large enough for the information to be written on it.
+const SIZE: Size = Size::new(331, 97);
+
+#[test]
+fn a_prepared_photo_shows_a_thousand_frames_without_the_heap() {
+    let rgb: Vec<u8> = (0..SIZE.pixels() * 3).map(|i| (i * i / 7 % 256) as u8).collect();
+    // Blocks that move and blocks that do not, so that some spans are short.
+    let mask: Vec<u8> = (0..SIZE.pixels()).map(|i| if i / 50 % 3 == 0 { 0 } else { 255 }).collect();
+    let photo = Photo { size: SIZE, rgb: &rgb, mask: &mask };
+    let mut storage = vec![0; storage_len(SIZE)];
+    for range in Range::NAMES.iter().map(|&(_, range)| range) {
+        for (format, buffering) in
+            [(PixelFormat::Xrgb8888, Buffering::Double), (PixelFormat::Rgb565, Buffering::Single)]
+        {
+            let layout = Layout::new(SIZE, format, None).expect("a good layout");
+            let mut memory = vec![0; memory_len(layout, buffering)];
+            let mut life = Life::default();
+            life.shimmer.range = range;
+
+            let prepared = calls(|| Shimmer::prepare(photo, &life.shimmer, &mut storage).map(drop));
+            assert_eq!(prepared, 0, "{range}: preparing takes the heap");
+
+            let mut shimmer = Shimmer::prepare(photo, &life.shimmer, &mut storage).expect("enough storage");
+            let mut lent = Sim::new(&mut memory[..], layout, buffering, 0).expect("enough memory");
+            let mut show = Show::new(life.drive, 12, 1);
+            let shown = calls(|| {
+                for frame in 0..1_000_usize {
+                    if frame % 9 == 8 {
+                        // Every button in turn, so that all noises, the pause and the information have been on.
+                        let _ = show.press(Button::ALL[frame / 9 % Button::ALL.len()]);
+                    }
+                    if frame % 400 == 399 {
+                        show.restart();
+                    }
+                    assert_eq!(show.turn(&mut shimmer, "a photo.jpg", &mut lent), Ok(()));
+                }
+            });
+            assert_eq!(shown, 0, "{range} {format}: a running show takes the heap");
+            assert!(lent.log().presents() == 1_000 && show.frame() == 1_000);
+        }
+    }
+}
