@@ -11,7 +11,10 @@ pub mod config_file;
 mod document;
 #[cfg(target_os = "linux")]
 pub mod evdev;
+pub mod backlight;
 pub mod interrupt;
+pub mod library;
+pub mod local_time;
 pub mod output;
 mod panel;
 mod panics;
@@ -20,6 +23,7 @@ pub mod progress;
 mod run;
 pub mod scene;
 pub mod sidecar;
+pub mod state;
 mod stdout;
 mod usage;
 #[cfg(feature = "window")]

@@ -11,7 +11,11 @@ use super::{
     stdout::print_line,
 };
 use crate::{
-    app::{Request, Show, pace::Pace, playlist::Playlist},
+    app::{
+        Request, Show,
+        pace::Pace,
+        playlist::{Order, PhotoId, Playlist, Slot},
+    },
     display::{Display, DisplayError},
     effect::{
         Effect,
@@ -59,9 +63,13 @@ pub(super) fn run(args: &args::Run) -> Result<(), Failure> {
 const LOST_DISPLAY_WAIT: Duration = Duration::from_millis(250);
 
 fn show(config: &Config, args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<(), Failure> {
-    let mut playlist = Playlist::new(sources.len()).ok_or_else(|| {
-        Failure::new("there is no photo in these folders; JPEG, PNG, WebP, GIF, BMP and TIFF files are shown")
-    })?;
+    let mut playlist = Playlist::new(vec![Slot::EMPTY; sources.len()], Order::Name, config.seed);
+    playlist.update(&(0..sources.len() as u64).map(PhotoId).collect::<Vec<_>>());
+    if playlist.is_empty() {
+        return Err(Failure::new(
+            "there is no photo in these folders; JPEG, PNG, WebP, GIF, BMP and TIFF files are shown",
+        ));
+    }
     let path = args.script.as_deref();
     let text = path.map_or(Ok(String::new()), read_script)?;
     let refused = |error| Failure::new(format!("{}: {error}", path.unwrap_or(Path::new("")).display()));
@@ -78,13 +86,15 @@ fn show(config: &Config, args: &args::Run, sources: &[Source<'_>], mut panel: Pa
     };
     panel.set_keys(config.actions);
     let (mut storage, mut skipped, mut failed_in_a_row) = (Vec::new(), HashSet::new(), 0);
-    while failed_in_a_row < sources.len() {
+    while let Some(PhotoId(photo)) = playlist.current()
+        && failed_in_a_row < sources.len()
+    {
         let size = panel.mode().layout.size;
-        let scene = match Scene::load(sources[playlist.current()], size, config) {
+        let scene = match Scene::load(sources[photo as usize], size, config) {
             Ok(scene) => scene,
             Err(failure) if sources.len() == 1 => return Err(failure),
             Err(failure) => {
-                if skipped.insert(playlist.current()) {
+                if skipped.insert(photo) {
                     log::warn!("skipped: {failure}");
                 }
                 failed_in_a_row += 1;

@@ -9,15 +9,22 @@ mod display;
 #[cfg(feature = "os")]
 mod goldens;
 mod layering;
+#[cfg(feature = "os")]
+mod library;
 mod logbook;
 mod mask;
+#[cfg(feature = "os")]
+mod night;
 mod noise;
 #[cfg(feature = "os")]
 mod output;
 #[cfg(feature = "os")]
 mod photo;
+mod playlist;
 mod show;
 mod spectrum;
 mod stage;
+#[cfg(feature = "os")]
+mod state;
 #[cfg(feature = "window")]
 mod window;

@@ -1,6 +1,6 @@
 //! The photos of folders.
 
-use super::{Fault, PhotoError, file::from_io, mask::MASK_SUFFIX};
+use super::{PhotoError, file::from_io, mask::MASK_SUFFIX};
 use std::{
     cmp::Ordering,
     collections::HashSet,
@@ -27,6 +27,17 @@ const EXTENSIONS: [&str; 32] = [
 /// # Errors
 /// If one of `paths` does not exist or cannot be read.
 pub fn list<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> Result<Vec<PathBuf>, PhotoError> {
+    list_telling(paths, &mut |error| log::warn!("skipped: {error}"))
+}
+
+/// As [`list`]; what is passed over because it cannot be read is told to `tell`.
+///
+/// # Errors
+/// As [`list`].
+pub fn list_telling<P: AsRef<Path>>(
+    paths: impl IntoIterator<Item = P>,
+    tell: &mut dyn FnMut(PhotoError),
+) -> Result<Vec<PathBuf>, PhotoError> {
     let mut photos = Vec::new();
     let mut seen = HashSet::new();
     for path in paths {
@@ -39,11 +50,11 @@ pub fn list<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> Result<Vec<Pa
         }
         let mut found = Vec::new();
         seen.insert((metadata.dev(), metadata.ino()));
-        let mut folders = visit(path, &mut seen, &mut found).map_err(from_io).map_err(named)?;
+        let mut folders = visit(path, &mut seen, &mut found, tell).map_err(from_io).map_err(named)?;
         while let Some(folder) = folders.pop() {
-            match visit(&folder, &mut seen, &mut found) {
+            match visit(&folder, &mut seen, &mut found, tell) {
                 Ok(inner) => folders.extend(inner),
-                Err(error) => skip(&folder, from_io(error)),
+                Err(error) => tell(unreadable(&folder, error)),
             }
         }
         found.sort_by(|a, b| natural(a, b));
@@ -57,6 +68,7 @@ fn visit(
     folder: &Path,
     seen: &mut HashSet<(u64, u64)>,
     photos: &mut Vec<PathBuf>,
+    tell: &mut dyn FnMut(PhotoError),
 ) -> io::Result<Vec<PathBuf>> {
     let mut folders = Vec::new();
     for entry in fs::read_dir(folder)? {
@@ -79,15 +91,15 @@ fn visit(
                 }
             }
             Ok(_) if is_photo(&path) => photos.push(path),
-            Err(error) if is_photo(&path) => skip(&path, from_io(error)),
+            Err(error) if is_photo(&path) => tell(unreadable(&path, error)),
             Ok(_) | Err(_) => {}
         }
     }
     Ok(folders)
 }
 
-fn skip(path: &Path, fault: Fault) {
-    log::warn!("skipped: {}", PhotoError::new(&path.to_string_lossy(), fault));
+fn unreadable(path: &Path, error: io::Error) -> PhotoError {
+    PhotoError::new(&path.to_string_lossy(), from_io(error))
 }
 
 /// Whether a name is that of a photo.

@@ -1,0 +1,104 @@
+//! The time of the day where the frame hangs.
+//!
+//! Small boards have no clock of their own: after a power cut they wake up in 1970 or at the moment they were switched off, until the
+//! network has told the time. So the time is taken as unknown until the kernel says that it is synchronised (adjtimex(2),
+//! `STA_UNSYNC`), or systemd-timesyncd that it has been since the start (`/run/systemd/timesync/synchronized`). Once is enough:
+//! without a network the kernel takes its word back after some hours, and the clock goes on well enough. A board
+//! with a battery clock and no network says so by [`Trust::AsItIs`].
+
+use crate::app::night::Minute;
+use jiff::{Timestamp, civil::DateTime, tz::TimeZone};
+use rustix::fs::Access;
+use std::fmt;
+
+/// No clock is right before this year, in which the program was not yet thought of.
+const FIRST_YEAR: i16 = 2024;
+
+/// When the system's clock is believed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Trust {
+    /// Once it was synchronised over the network.
+    #[default]
+    Synchronised,
+    /// From the start: a battery keeps it.
+    AsItIs,
+}
+
+/// The system's clock in a time zone.
+#[derive(Clone, Debug)]
+pub struct LocalTime {
+    zone: TimeZone,
+    /// The clock is known to have been set.
+    set: bool,
+}
+
+/// A time zone that the system does not know.
+#[derive(Debug)]
+pub struct UnknownZone {
+    name: String,
+    source: jiff::Error,
+}
+
+impl fmt::Display for UnknownZone {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = &self.name;
+        write!(
+            f,
+            "{name:?} is no time zone that is known here: use a name as Europe/Berlin, and install tzdata"
+        )
+    }
+}
+
+impl std::error::Error for UnknownZone {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        Some(&self.source)
+    }
+}
+
+impl LocalTime {
+    /// The time in `zone`, by name ("Europe/Berlin") or by rule ("CET-1CEST,M3.5.0,M10.5.0/3", POSIX.1-2017, 8.3); without one,
+    /// in that of the system (`$TZ`, `/etc/localtime`), or, where that is not to be found, in UTC, which is told once.
+    ///
+    /// # Errors
+    /// If there is no such zone.
+    pub fn new(zone: Option<&str>, trust: Trust) -> Result<Self, UnknownZone> {
+        let zone = match zone {
+            Some(name) => TimeZone::get(name)
+                .or_else(|error| TimeZone::posix(name).map_err(|_| error))
+                .map_err(|source| UnknownZone { name: name.to_owned(), source })?,
+            None => TimeZone::try_system().unwrap_or_else(|error| {
+                log::warn!("the time zone of this system is unknown ({error}): using UTC; set timezone");
+                TimeZone::UTC
+            }),
+        };
+        Ok(Self { zone, set: trust == Trust::AsItIs })
+    }
+
+    /// The minute of the day now; `None` while the clock is not known to be set. Costs a microsecond.
+    pub fn now(&mut self) -> Option<Minute> {
+        self.set = self.set || is_synchronised();
+        self.minute_at(Timestamp::now()).filter(|_| self.set)
+    }
+
+    /// The minute of the day at `time`; `None` before 2024.
+    pub fn minute_at(&self, time: Timestamp) -> Option<Minute> {
+        let local: DateTime = self.zone.to_datetime(time);
+        let minute = || Minute::new(local.hour().try_into().ok()?, local.minute().try_into().ok()?);
+        (local.year() >= FIRST_YEAR).then(minute).flatten()
+    }
+}
+
+/// Whether the clock is, or was since the system's start, set by the network.
+fn is_synchronised() -> bool {
+    kernel_is_synchronised()
+        || rustix::fs::access("/run/systemd/timesync/synchronized", Access::EXISTS).is_ok()
+}
+
+/// What the kernel says; no where it may not be asked (a seccomp filter).
+fn kernel_is_synchronised() -> bool {
+    // SAFETY: timex is a plain C structure of integers, for which all zeroes is a value: `modes` 0 changes nothing.
+    let mut status: libc::timex = unsafe { std::mem::zeroed() };
+    // SAFETY: the pointer is to a timex that lives and is ours alone during the call.
+    let state = unsafe { libc::adjtimex(&raw mut status) };
+    state >= 0 && state != libc::TIME_ERROR && status.status & libc::STA_UNSYNC == 0
+}
