@@ -4,10 +4,16 @@
 //! needs from here.
 
 pub mod args;
+mod console;
+#[cfg(feature = "linuxfb")]
+mod fbdev;
 pub mod interrupt;
+#[cfg(feature = "kms")]
+mod kms;
 pub mod output;
 mod panel;
 pub mod photo;
+mod probe;
 pub mod progress;
 mod run;
 mod scene;
@@ -52,5 +58,10 @@ pub fn execute(args: Args) -> Result<(), Failure> {
         Some(Command::Render(args)) => render::render(&args),
         Some(Command::Noise(args)) => noise::noise(&args),
         Some(Command::Mask(args)) => mask::mask(&args),
+        Some(Command::Probe) => {
+            print!("{}", probe::report());
+            Ok(())
+        }
+        Some(Command::RestoreConsole) => Ok(console::restore()?),
     }
 }

@@ -26,7 +26,7 @@ use std::{
 pub(super) fn demo() -> Result<(), Failure> {
     let args = args::Args::parse_from(["yurameki", "run", "demo", "--display", "window"]);
     let Some(args::Command::Run(args)) = args.command else { unreachable!("`run` was asked for") };
-    match Panel::open(args.display, args.fps) {
+    match Panel::open(&args.display, args.fps) {
         Ok(panel) => show(&args, &[Source::Demo], panel),
         Err(why) => {
             log::info!("{why}");
@@ -38,7 +38,7 @@ pub(super) fn demo() -> Result<(), Failure> {
 pub(super) fn run(args: &args::Run) -> Result<(), Failure> {
     let files = photo::list(&args.photos)?;
     let sources: Vec<Source<'_>> = files.iter().map(|path| Source::File(path)).collect();
-    show(args, &sources, Panel::open(args.display, args.fps)?)
+    show(args, &sources, Panel::open(&args.display, args.fps)?)
 }
 
 /// How long to wait before a display that is gone is asked again.
