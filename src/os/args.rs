@@ -42,6 +42,7 @@ pub enum Command {
     Mask(Mask),
     /// List the displays, and the state of the console.
     Probe,
+    #[cfg(any(feature = "kms", feature = "linuxfb"))]
     /// Give the text console back after the program was killed.
     RestoreConsole,
 }

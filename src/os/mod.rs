@@ -4,6 +4,7 @@
 //! needs from here.
 
 pub mod args;
+#[cfg(any(feature = "kms", feature = "linuxfb"))]
 mod console;
 #[cfg(feature = "linuxfb")]
 mod fbdev;
@@ -62,6 +63,7 @@ pub fn execute(args: Args) -> Result<(), Failure> {
             print!("{}", probe::report());
             Ok(())
         }
+        #[cfg(any(feature = "kms", feature = "linuxfb"))]
         Some(Command::RestoreConsole) => Ok(console::restore()?),
     }
 }

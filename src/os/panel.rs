@@ -48,10 +48,7 @@ pub(super) struct Simulated {
 }
 
 /// What may become of a panel that cannot be shown on now.
-#[cfg_attr(
-    not(all(feature = "kms", feature = "linuxfb")),
-    expect(dead_code, reason = "each kind of display has its own prospects")
-)]
+#[cfg_attr(not(feature = "kms"), expect(dead_code, reason = "only KMS knows panels and holders"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Prospect {
     /// There is no device for it, or its driver is not loaded yet.
@@ -254,6 +251,7 @@ fn wait(open: impl Fn() -> Result<Panel, Unavailable>, passing: &[Prospect]) -> 
 }
 
 impl Buttons for Panel {
+    #[cfg_attr(not(feature = "window"), expect(unused_variables, reason = "only a window has buttons"))]
     fn next_press(&mut self, frame: u64) -> Option<Button> {
         match self {
             #[cfg(feature = "window")]

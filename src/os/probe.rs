@@ -1,13 +1,13 @@
 //! `yurameki probe`: what this machine could show on, as a table for people.
 
-use super::console;
 use std::fmt::Write as _;
 
 /// Everything that was found.
 pub(super) fn report() -> String {
     let mut report = String::new();
     section(&mut report, "Displays", &displays());
-    section(&mut report, "Console", &[console::report()]);
+    #[cfg(any(feature = "kms", feature = "linuxfb"))]
+    section(&mut report, "Console", &[super::console::report()]);
     report
 }
 

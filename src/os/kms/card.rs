@@ -47,12 +47,16 @@ impl Card {
         self.resource_handles()?.connectors().iter().map(|&handle| self.get_connector(handle, true)).collect()
     }
 
-    /// The first connector with a panel; of the name `wanted`, if there is one.
+    /// The first connector with a panel, or the one of the name `wanted`, which may be of a kind that cannot tell whether
+    /// there is one.
     fn connected(&self, wanted: Option<&str>) -> io::Result<Option<connector::Info>> {
         let fits = |info: &connector::Info| {
-            info.state() == connector::State::Connected
-                && !info.modes().is_empty()
-                && wanted.is_none_or(|wanted| info.to_string().eq_ignore_ascii_case(wanted))
+            let there = match wanted {
+                Some(wanted) if !info.to_string().eq_ignore_ascii_case(wanted) => false,
+                Some(_) => info.state() != connector::State::Disconnected,
+                None => info.state() == connector::State::Connected,
+            };
+            there && !info.modes().is_empty()
         };
         Ok(self.connectors()?.into_iter().find(fits))
     }
@@ -98,4 +102,23 @@ pub(in crate::os) fn holders(device: &Path) -> Vec<String> {
         }
     }
     holders
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::process::{Command, Stdio};
+
+    #[test]
+    fn a_program_that_holds_a_device_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().canonicalize().unwrap().join("card");
+        let held = File::create(&path).unwrap();
+        assert_eq!(holders(&path), Vec::<String>::new(), "this very program does not count");
+        let mut cat = Command::new("cat").stdin(Stdio::piped()).stderr(held).spawn().unwrap();
+        let named = holders(&path);
+        drop(cat.stdin.take());
+        cat.wait().unwrap();
+        assert_eq!(named, [format!("cat ({})", cat.id())]);
+    }
 }

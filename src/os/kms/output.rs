@@ -99,7 +99,7 @@ impl Output {
     /// Whether the panel is still plugged in, as the kernel has noticed by itself: a look that costs microseconds.
     pub(super) fn is_connected(&self) -> bool {
         let info = self.card.get_connector(self.connector, false);
-        info.is_ok_and(|info| info.state() == connector::State::Connected)
+        info.is_ok_and(|info| info.state() != connector::State::Disconnected)
     }
 
     /// The buffer that is not shown, once the last flip is done.
@@ -177,7 +177,8 @@ impl Output {
             if self.card.get_property(property)?.name().to_bytes() == b"DPMS" {
                 let value = if on { DPMS_ON } else { DPMS_OFF };
                 self.card.set_property(self.connector, property, value)?;
-                self.lit = false;
+                // What was presented while the power was off is in one buffer only.
+                (self.lit, self.shown) = (false, 0);
                 return Ok(true);
             }
         }
