@@ -117,6 +117,12 @@ impl Show {
         }
     }
 
+    /// Goes on with the noises that were chosen before a restart.
+    pub fn take_up(&mut self, amplitude: Kind, frequency: Kind) {
+        self.oscillator.set_amplitude(amplitude);
+        self.oscillator.set_frequency(frequency);
+    }
+
     /// Does what a press is for, and tells what that asks of the caller.
     pub fn press(&mut self, action: Action) -> Option<Request> {
         match self.state.take(action)? {

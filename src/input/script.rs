@@ -37,6 +37,13 @@ impl<'a> Script<'a> {
     }
 }
 
+impl Default for Script<'_> {
+    /// A script without a press.
+    fn default() -> Self {
+        Self { presses: Lines::new("").peekable() }
+    }
+}
+
 impl Buttons for Script<'_> {
     /// The next press that is due at `frame`; presses of frames that were left out come late rather than never.
     fn next_press(&mut self, frame: u64) -> Option<Press> {

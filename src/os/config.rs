@@ -152,6 +152,8 @@ impl Config {
         self.typed = args.look.clone();
         if !args.photos.is_empty() {
             self.photos.clone_from(&args.photos);
+            // Who names photos wants to see those, from the first on.
+            self.order = Order::Name;
         }
     }
 

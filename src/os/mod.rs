@@ -3,6 +3,7 @@
 //! The only part that knows std: arguments, photo files, clocks, devices and output files. Everything else is lent what it
 //! needs from here.
 
+mod album;
 pub mod args;
 pub mod backlight;
 pub mod board;
@@ -11,6 +12,7 @@ mod config_command;
 pub mod config_file;
 #[cfg(any(feature = "kms", feature = "linuxfb"))]
 mod console;
+mod dimmer;
 mod document;
 #[cfg(target_os = "linux")]
 pub mod evdev;
@@ -20,6 +22,7 @@ pub mod interrupt;
 #[cfg(feature = "kms")]
 mod kms;
 pub mod library;
+mod loader;
 pub mod local_time;
 pub mod output;
 mod panel;
@@ -47,7 +50,7 @@ use std::{error::Error, fmt};
 
 /// Why a command ended early, as one line for people; for a configuration a line for each mistake.
 #[derive(Debug)]
-pub struct Failure(Box<dyn Error>);
+pub struct Failure(Box<dyn Error + Send + Sync>);
 
 impl Failure {
     fn new(line: impl Into<String>) -> Self {
@@ -66,7 +69,7 @@ impl fmt::Display for Failure {
     }
 }
 
-impl<E: Error + 'static> From<E> for Failure {
+impl<E: Error + Send + Sync + 'static> From<E> for Failure {
     fn from(error: E) -> Self {
         Self(Box::new(error))
     }

@@ -45,6 +45,37 @@ pub(super) struct Simulated {
     sim: Sim<Vec<u8>>,
     start: Instant,
     cpu_at_start: Duration,
+    lateness: Lateness,
+}
+
+/// How late frames were, counted by milliseconds.
+#[derive(Debug)]
+struct Lateness {
+    /// Frames that were late by less than 1, 2, … ms; the last count holds all that were later.
+    counts: [u64; 1001],
+    worst: Duration,
+}
+
+impl Lateness {
+    const fn new() -> Self {
+        Self { counts: [0; 1001], worst: Duration::ZERO }
+    }
+
+    fn note(&mut self, late: Duration) {
+        self.counts[(late.as_millis() as usize).min(1000)] += 1;
+        self.worst = self.worst.max(late);
+    }
+
+    /// The milliseconds below which so many per cent of the frames were late.
+    fn percentile(&self, per_cent: u64) -> usize {
+        let all: u64 = self.counts.iter().sum();
+        let mut left = (all * per_cent).div_ceil(100);
+        let below = self.counts.iter().position(|&count| {
+            left = left.saturating_sub(count);
+            left == 0
+        });
+        below.unwrap_or(1000) + 1
+    }
 }
 
 /// What may become of a panel that cannot be shown on now.
@@ -154,7 +185,12 @@ impl Panel {
     fn simulate(layout: Layout, frames_per_second: u32) -> Result<Self, Failure> {
         let memory = vec![0; sim::memory_len(layout, Buffering::Double)];
         let sim = Sim::new(memory, layout, Buffering::Double, frames_per_second * 1_000)?;
-        Ok(Self::Sim(Box::new(Simulated { sim, start: Instant::now(), cpu_at_start: usage::cpu_time() })))
+        Ok(Self::Sim(Box::new(Simulated {
+            sim,
+            start: Instant::now(),
+            cpu_at_start: usage::cpu_time(),
+            lateness: Lateness::new(),
+        })))
     }
 
     /// Whether it is a panel without a desktop, which the program has for itself: with its keyboards and its light.
@@ -165,6 +201,13 @@ impl Panel {
             Self::Sim(_) => false,
             #[cfg(any(feature = "kms", feature = "linuxfb"))]
             _ => true,
+        }
+    }
+
+    /// Notes how late the frame was that was presented last.
+    pub(super) fn note_lateness(&mut self, late: Duration) {
+        if let Self::Sim(simulated) = self {
+            simulated.lateness.note(late);
         }
     }
 
@@ -182,11 +225,15 @@ impl Panel {
         let memory =
             usage::peak_memory_kib().map_or("unknown".into(), |kib| format!("{:.1} MB", kib as f64 / 1024.0));
         Some(format!(
-            "{} frames, {}.{:02} fps, {} dropped, {share:.1} % of a processor, peak memory {memory}",
+            "{} frames, {}.{:02} fps, {} dropped, late by less than {} ms (half), {} ms (99 %), {:.1} ms (all), \
+             {share:.1} % of a processor, peak memory {memory}",
             log.presents(),
             millihertz / 1000,
             millihertz % 1000 / 10,
             log.dropped(),
+            simulated.lateness.percentile(50),
+            simulated.lateness.percentile(99),
+            simulated.lateness.worst.as_secs_f64() * 1e3,
         ))
     }
 }

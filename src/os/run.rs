@@ -1,34 +1,32 @@
 //! `yurameki run`: photos on a display, until somebody ends it.
 
 use super::{
-    Failure, args,
+    Failure,
+    album::Album,
+    args,
     config::Config,
+    dimmer::Dimmer,
+    evdev::Keyboards,
     interrupt::Interrupt,
+    loader::{Living, Loader},
     panel::Panel,
-    photo, render,
-    scene::{self, Scene, Source},
-    set_log_level,
+    render, set_log_level,
     stdout::print_line,
 };
 use crate::{
-    app::{
-        Request, Show,
-        pace::Pace,
-        playlist::{Order, PhotoId, Playlist, Slot},
-    },
+    app::{Request, Show, pace::Pace, playlist::Dwell},
     display::{Display, DisplayError},
-    effect::{
-        Effect,
-        shimmer::{Shimmer, storage_len},
-    },
-    input::{Buttons, key_map::KeyMap, script::Script},
+    frame::Size,
+    input::{Buttons, script::Script},
+    noise::Kind,
 };
 use clap::Parser;
 use std::{
-    collections::HashSet,
+    env,
     fs::File,
     io::Read,
     path::Path,
+    sync::Arc,
     thread::sleep,
     time::{Duration, Instant},
 };
@@ -40,7 +38,7 @@ pub(super) fn demo() -> Result<(), Failure> {
     let mut config = Config::default();
     config.apply_args(&args);
     match Panel::open(&config.display, config.frames_per_second) {
-        Ok(panel) => show(&config, &args, &[Source::Demo], panel),
+        Ok(panel) => Running::new(config, &args, panel)?.show(&mut Script::default()),
         Err(why) => {
             log::info!("{why}");
             render::demo()
@@ -51,73 +49,12 @@ pub(super) fn demo() -> Result<(), Failure> {
 pub(super) fn run(args: &args::Run) -> Result<(), Failure> {
     let config = Config::resolve(args)?;
     set_log_level(config.log);
-    let files = photo::list(&config.photos)?;
-    let mut sources: Vec<Source<'_>> = files.iter().map(|path| Source::File(path)).collect();
-    if config.photos.is_empty() {
-        sources.push(Source::Demo);
-    }
-    show(&config, args, &sources, Panel::open(&config.display, config.frames_per_second)?)
-}
-
-/// How long to wait before a display that is gone is asked again.
-const LOST_DISPLAY_WAIT: Duration = Duration::from_millis(250);
-
-fn show(config: &Config, args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<(), Failure> {
-    let mut playlist = Playlist::new(vec![Slot::EMPTY; sources.len()], Order::Name, config.seed);
-    playlist.update(&(0..sources.len() as u64).map(PhotoId).collect::<Vec<_>>());
-    if playlist.is_empty() {
-        return Err(Failure::new(
-            "there is no photo in these folders; JPEG, PNG, WebP, GIF, BMP and TIFF files are shown",
-        ));
-    }
     let path = args.script.as_deref();
     let text = path.map_or(Ok(String::new()), read_script)?;
     let refused = |error| Failure::new(format!("{}: {error}", path.unwrap_or(Path::new("")).display()));
     let mut script = Script::parse(&text).map_err(refused)?;
-    let frames_per_second = config.frames_per_second;
-    let drive = config.plain_look().life.at(frames_per_second).drive;
-    let mut run = Running {
-        show: Show::new(drive, frames_per_second, config.seed),
-        keys: config.actions,
-        clock: Instant::now(),
-        interrupt: Interrupt::install()?,
-        frames: args.frames,
-        frames_per_second,
-    };
-    panel.set_keys(config.actions);
-    let (mut storage, mut skipped, mut failed_in_a_row) = (Vec::new(), HashSet::new(), 0);
-    while let Some(PhotoId(photo)) = playlist.current()
-        && failed_in_a_row < sources.len()
-    {
-        let size = panel.mode().layout.size;
-        let scene = match Scene::load(sources[photo as usize], size, config) {
-            Ok(scene) => scene,
-            Err(failure) if sources.len() == 1 => return Err(failure),
-            Err(failure) => {
-                if skipped.insert(photo) {
-                    log::warn!("skipped: {failure}");
-                }
-                failed_in_a_row += 1;
-                playlist.skip();
-                continue;
-            }
-        };
-        failed_in_a_row = 0;
-        let life = scene::turned(scene.look().life.at(frames_per_second), config.rotation);
-        run.show.choose_noises(life.drive.amplitude, life.drive.frequency);
-        storage.resize(storage_len(size), 0);
-        let mut shimmer = Shimmer::prepare(scene.photo(), &life.shimmer, &mut storage)?;
-        match run.photo(&mut shimmer, scene.name(), &mut panel, &mut script) {
-            Some(Request::NextPhoto) => playlist.next(),
-            Some(Request::PreviousPhoto) => playlist.previous(),
-            Some(Request::Quit) => {
-                return panel.report().map_or(Ok(()), print_line);
-            }
-            // The panel has another mode: the same photo again. Of the requests, `photo` gives no others.
-            None | Some(Request::NextEffect | Request::Sleep | Request::Hide | Request::Reload) => {}
-        }
-    }
-    Err(Failure::new("none of the photos can be shown"))
+    let panel = Panel::open(&config.display, config.frames_per_second)?;
+    Running::new(config, args, panel)?.show(&mut script)
 }
 
 /// The most bytes of a script: a press a second for a week would fit.
@@ -135,61 +72,234 @@ fn read_script(path: &Path) -> Result<String, Failure> {
     String::from_utf8(bytes).map_err(|_| refused("the script is no text; save it as UTF-8"))
 }
 
-/// The loop, and what it looks at between frames.
+/// How long to wait where there is nothing to show: before a display that is gone is asked again, while the panel is off, and
+/// before the first photo is there.
+const IDLE_WAIT: Duration = Duration::from_millis(100);
+
+/// A show: the photos, what is shown of them, and where.
 struct Running {
+    config: Arc<Config>,
+    panel: Panel,
+    keyboards: Option<Keyboards>,
+    album: Album,
+    loader: Loader,
+    dimmer: Dimmer,
     show: Show,
-    keys: KeyMap,
     clock: Instant,
     interrupt: Interrupt,
+    /// End after so many frames.
     frames: Option<u64>,
-    frames_per_second: u32,
+    current: Option<Box<Living>>,
+    leaving: Option<Box<Living>>,
+    next: Option<Box<Living>>,
+    dwell: Dwell,
+    /// The photos were named on the command line.
+    typed: bool,
+    /// Why a photo could not be shown, for when it is the only one.
+    failure: Option<Failure>,
 }
 
 impl Running {
-    /// Shows a photo until somebody asks for something else, or, without a request, until the panel has another mode.
-    fn photo(
-        &mut self,
-        shimmer: &mut impl Effect,
-        name: &str,
-        panel: &mut Panel,
-        script: &mut Script<'_>,
-    ) -> Option<Request> {
-        self.show.restart();
-        let mut pace = Pace::new(self.frames_per_second, self.clock.elapsed());
-        loop {
-            if self.interrupt.requested() || self.frames.is_some_and(|frames| self.show.frame() >= frames) {
-                return Some(Request::Quit);
+    fn new(config: Config, args: &args::Run, mut panel: Panel) -> Result<Self, Failure> {
+        let typed = !args.photos.is_empty() || config.photos.is_empty();
+        // A program that somebody starts by hand begins afresh; a frame goes on.
+        let remembers = panel.is_bare() || env::var_os("STATE_DIRECTORY").is_some();
+        let (album, state) = Album::open(&config, typed, remembers)?;
+        let drive = config.plain_look().life.at(config.frames_per_second).drive;
+        let mut show = Show::new(drive, config.frames_per_second, config.seed);
+        if let Some(state) = state {
+            let kind = |chosen: Option<Kind>, configured| chosen.unwrap_or(configured);
+            show.take_up(kind(state.amplitude, drive.amplitude), kind(state.frequency, drive.frequency));
+        }
+        panel.set_keys(config.actions);
+        let mut keyboards = panel.is_bare().then(|| Keyboards::new(config.keys.clone(), true));
+        if let Some(keyboards) = &mut keyboards {
+            keyboards.set_keys(config.actions);
+        }
+        let dimmer = Dimmer::new(&config, panel.is_bare())?;
+        let config = Arc::new(config);
+        Ok(Self {
+            loader: Loader::start(Arc::clone(&config))?,
+            config,
+            panel,
+            keyboards,
+            album,
+            dimmer,
+            show,
+            clock: Instant::now(),
+            interrupt: Interrupt::install()?,
+            frames: args.frames,
+            current: None,
+            leaving: None,
+            next: None,
+            dwell: Dwell::new(None),
+            typed,
+            failure: None,
+        })
+    }
+
+    /// Shows photos until somebody ends it.
+    fn show(mut self, script: &mut Script<'_>) -> Result<(), Failure> {
+        let mut pace = self.pace();
+        while !self.interrupt.requested() && self.frames.is_none_or(|frames| self.show.frame() < frames) {
+            self.album.look();
+            self.supply()?;
+            if self.take_presses(script) {
+                break;
             }
-            let request = next_request(&mut self.show, &self.keys, [script, panel]);
-            match request {
-                Some(Request::NextPhoto | Request::PreviousPhoto | Request::Quit) => return request,
-                Some(Request::NextEffect) => log::info!("there is no other effect than shimmer"),
-                Some(request @ (Request::Sleep | Request::Hide | Request::Reload)) => {
-                    log::info!("{request:?}: this show cannot do that");
+            let brightness = self.dimmer.turn(self.clock.elapsed(), &mut self.panel);
+            self.show.set_brightness(brightness);
+            match self.turn() {
+                Ok(true) => {
+                    self.panel.note_lateness(self.clock.elapsed().saturating_sub(pace.deadline()));
+                    pace.shown(self.clock.elapsed());
+                    sleep(pace.deadline().saturating_sub(self.clock.elapsed()));
+                    continue;
                 }
+                Ok(false) | Err(DisplayError::Lost) => sleep(IDLE_WAIT),
+                Err(DisplayError::Closed) => break,
+                Err(DisplayError::ModeChanged) => self.drop_photos(),
+            }
+            pace = self.pace();
+        }
+        self.album.remember(self.clock.elapsed(), self.show.noises(), true);
+        self.panel.report().map_or(Ok(()), print_line)
+    }
+
+    fn pace(&self) -> Pace {
+        Pace::new(self.config.frames_per_second, self.clock.elapsed())
+    }
+
+    /// Presents a frame, if there is anything to be seen, and tells so.
+    fn turn(&mut self) -> Result<bool, DisplayError> {
+        // A panel that is off has been given one black frame.
+        let Some(current) = self.current.as_mut().filter(|_| !self.dimmer.is_dark()) else {
+            return Ok(false);
+        };
+        let leaving = self.leaving.as_mut().map(|leaving| &mut leaving.shimmer);
+        let turned = self.show.turn_from(leaving, &mut current.shimmer, &current.name, &mut self.panel);
+        if let Some(keyboards) = &mut self.keyboards {
+            keyboards.set_listening(!matches!(turned, Err(DisplayError::Lost)));
+        }
+        turned?;
+        self.dimmer.shown();
+        if !self.show.is_fading()
+            && let Some(leaving) = self.leaving.take()
+        {
+            self.loader.recycle(leaving);
+        }
+        let frame = Duration::from_secs(1) / self.config.frames_per_second;
+        if !self.show.is_paused() && self.dwell.pass(frame) && self.album.goes_on() {
+            self.album.next();
+        }
+        self.album.remember(self.clock.elapsed(), self.show.noises(), false);
+        Ok(true)
+    }
+
+    /// Sees to it that the photo that is wanted is shown as soon as it is loaded, and that the next one is loaded by then.
+    fn supply(&mut self) -> Result<(), Failure> {
+        let size = self.panel.mode().layout.size;
+        match self.loader.take() {
+            Some((_, Ok(living))) if living.size == size => self.next = Some(living),
+            Some((_, Ok(living))) => self.loader.recycle(living),
+            Some((id, Err(failure))) => {
+                self.album.fails(id, &failure);
+                self.failure = Some(failure);
+            }
+            None => {}
+        }
+        let Some(wanted) = self.album.current() else { return self.give_up() };
+        let shown = self.current.as_ref().map(|living| living.id);
+        if shown == Some(wanted) {
+            if self.next.is_none() && self.leaving.is_none() && !self.loader.is_busy() {
+                self.order_upcoming(size);
+            }
+        } else if let Some(next) = self.next.take_if(|next| next.id == wanted) {
+            self.enter(next);
+        } else if !self.loader.is_busy() {
+            if let Some(other) = self.next.take() {
+                self.loader.recycle(other);
+            }
+            self.loader.order(wanted, self.album.path(wanted), size);
+        }
+        Ok(())
+    }
+
+    fn order_upcoming(&mut self, size: Size) {
+        if let Some(upcoming) = self.album.upcoming() {
+            self.loader.order(upcoming, self.album.path(upcoming), size);
+        }
+    }
+
+    /// Shows a photo from now on.
+    fn enter(&mut self, next: Box<Living>) {
+        self.album.succeeds();
+        self.show.choose_noises(next.drive.amplitude, next.drive.frequency);
+        self.dwell = Dwell::new(Some(Duration::from_secs(next.seconds.into())));
+        let before = self.current.replace(next);
+        if let Some(left) = std::mem::replace(&mut self.leaving, before) {
+            self.loader.recycle(left);
+        }
+        if self.leaving.is_some() {
+            let frames = self.config.fade.as_millis() * u128::from(self.config.frames_per_second) / 1000;
+            self.show.fade(frames as u32);
+        } else {
+            self.show.restart();
+        }
+    }
+
+    /// The panel has another size: nothing that was prepared fits.
+    fn drop_photos(&mut self) {
+        (self.current, self.leaving, self.next) = (None, None, None);
+        self.show.restart();
+    }
+
+    /// No photo can be shown. A frame waits for better ones; a program that was told which to show says so.
+    fn give_up(&mut self) -> Result<(), Failure> {
+        if !self.typed || self.current.is_some() || self.loader.is_busy() {
+            return Ok(());
+        }
+        match self.failure.take() {
+            Some(failure) if !self.album.goes_on() => Err(failure),
+            _ => Err(Failure::new("none of the photos can be shown")),
+        }
+    }
+
+    /// Takes all presses in, and tells whether the show is to end.
+    fn take_presses(&mut self, script: &mut Script<'_>) -> bool {
+        let frame = self.show.frame();
+        loop {
+            let keyboards = self.keyboards.as_mut().and_then(|keyboards| keyboards.next_press(frame));
+            let Some(press) =
+                keyboards.or_else(|| script.next_press(frame)).or_else(|| self.panel.next_press(frame))
+            else {
+                return false;
+            };
+            let Some(action) = self.config.actions.action(press) else { continue };
+            if self.dimmer.wake() {
+                continue;
+            }
+            match self.show.press(action) {
+                Some(Request::Quit) => return true,
+                Some(request) => self.answer(request),
                 None => {}
             }
-            match self.show.turn(shimmer, name, panel) {
-                Ok(()) => {}
-                Err(DisplayError::Closed) => return Some(Request::Quit),
-                Err(DisplayError::ModeChanged) => return None,
-                Err(DisplayError::Lost) => sleep(LOST_DISPLAY_WAIT),
-            }
-            pace.shown(self.clock.elapsed());
-            sleep(pace.deadline().saturating_sub(self.clock.elapsed()));
         }
     }
-}
 
-/// Takes all presses in; the first that asks for something ends the round.
-fn next_request(show: &mut Show, keys: &KeyMap, buttons: [&mut dyn Buttons; 2]) -> Option<Request> {
-    for buttons in buttons {
-        while let Some(press) = buttons.next_press(show.frame()) {
-            let request = keys.action(press).and_then(|action| show.press(action));
-            if request.is_some() {
-                return request;
+    fn answer(&mut self, request: Request) {
+        match request {
+            Request::NextPhoto => self.album.next(),
+            Request::PreviousPhoto => self.album.previous(),
+            Request::NextEffect => log::info!("there is no other effect than shimmer"),
+            Request::Sleep => self.dimmer.sleep(),
+            Request::Hide => {
+                if let Some(current) = &self.current {
+                    self.album.hide(current.id);
+                }
             }
+            Request::Reload => self.album.reload(),
+            Request::Quit => {}
         }
     }
-    None
 }

@@ -1,0 +1,183 @@
+//! The photos of a show: where they are, in which order they come, and what is remembered of them.
+
+use super::{
+    Failure,
+    config::Config,
+    library::{Library, photo_id},
+    photo,
+    state::{Memory, State, default_folder},
+};
+use crate::{
+    app::playlist::{CAPACITY, PhotoId, Playlist, Slot},
+    noise::Kind,
+};
+use std::{collections::HashSet, env, path::PathBuf, time::Duration};
+
+/// The demo photo, which is in no folder.
+const DEMO: PhotoId = PhotoId(0);
+
+/// Photos in folders, or the demo photo.
+pub(super) struct Album {
+    /// None for the demo photo.
+    library: Option<Library>,
+    playlist: Playlist<Vec<Slot>>,
+    memory: Option<Memory>,
+    /// Photos that could not be shown as they are.
+    bad: HashSet<PhotoId>,
+    /// Photos in a row that could not be shown.
+    bad_in_a_row: usize,
+}
+
+impl Album {
+    /// The photos that `config` names. A show that `remembers` goes on where it was before the restart, and gives the noises that
+    /// were chosen then.
+    ///
+    /// # Errors
+    /// If `typed` photos are not there: what a configuration names is waited for.
+    pub(super) fn open(
+        config: &Config,
+        typed: bool,
+        remembers: bool,
+    ) -> Result<(Self, Option<State>), Failure> {
+        if typed {
+            photo::list(&config.photos)?;
+        }
+        let folder = remembers.then(|| default_folder(|name| env::var_os(name)));
+        let (memory, state) = match folder.map(Memory::open) {
+            Some((memory, state)) => (Some(memory), state),
+            None => (None, None),
+        };
+        let slots = vec![Slot::EMPTY; CAPACITY];
+        let mut playlist = match &state {
+            Some(state) => Playlist::restore(slots, config.order, config.seed, &state.playlist),
+            None => Playlist::new(slots, config.order, config.seed),
+        };
+        for path in memory.iter().flat_map(Memory::hidden) {
+            playlist.hide(photo_id(path));
+        }
+        let library = (!config.photos.is_empty()).then(|| Library::watch(&config.photos, config.order));
+        let mut album = Self { library, playlist, memory, bad: HashSet::new(), bad_in_a_row: 0 };
+        album.update();
+        if album.playlist.is_empty() && typed {
+            let line =
+                "there is no photo in these folders; JPEG, PNG, WebP, GIF, BMP and TIFF files are shown";
+            return Err(Failure::new(line));
+        }
+        Ok((album, state))
+    }
+
+    fn update(&mut self) {
+        let left_out = match &self.library {
+            Some(library) => self.playlist.update(library.photos()),
+            None => self.playlist.update(&[DEMO]),
+        };
+        if left_out > 0 {
+            log::warn!("{left_out} photos are not shown: there is room for {CAPACITY}");
+        }
+    }
+
+    /// Looks whether photos have come, gone or changed.
+    pub(super) fn look(&mut self) {
+        if let Some(news) = self.library.as_mut().and_then(Library::news) {
+            news.changed.iter().for_each(|id| {
+                self.bad.remove(id);
+            });
+            self.bad_in_a_row = 0;
+            self.update();
+        }
+    }
+
+    /// Looks through everything anew, also through what could not be shown.
+    pub(super) fn reload(&mut self) {
+        self.bad.clear();
+        self.bad_in_a_row = 0;
+    }
+
+    /// The photo to show, of those that can be shown.
+    pub(super) fn current(&mut self) -> Option<PhotoId> {
+        while let Some(id) = self.playlist.current().filter(|id| self.bad.contains(id)) {
+            if self.is_hopeless() {
+                return None;
+            }
+            self.skip(id);
+        }
+        self.playlist.current()
+    }
+
+    /// The photo that comes after it, where that is known, is another, and can be shown.
+    pub(super) fn upcoming(&mut self) -> Option<PhotoId> {
+        let current = self.playlist.current();
+        self.playlist.upcoming().filter(|id| Some(*id) != current && !self.bad.contains(id))
+    }
+
+    /// Whether there is another photo to go on to.
+    pub(super) fn goes_on(&self) -> bool {
+        self.playlist.len() > 1
+    }
+
+    /// Where a photo is; `None` for the demo photo, and for one that has just gone.
+    pub(super) fn path(&self, id: PhotoId) -> Option<PathBuf> {
+        self.library.as_ref()?.path(id).map(Into::into)
+    }
+
+    pub(super) fn next(&mut self) {
+        self.playlist.next();
+    }
+
+    pub(super) fn previous(&mut self) {
+        self.playlist.previous();
+    }
+
+    /// A photo cannot be shown, because of `why`. Told once.
+    pub(super) fn fails(&mut self, id: PhotoId, why: &Failure) {
+        if self.bad.insert(id) {
+            log::warn!("skipped: {why}");
+        }
+    }
+
+    fn skip(&mut self, _bad: PhotoId) {
+        self.bad_in_a_row += 1;
+        self.playlist.skip();
+    }
+
+    /// A photo was shown.
+    pub(super) const fn succeeds(&mut self) {
+        self.bad_in_a_row = 0;
+    }
+
+    /// Whether every photo was tried in vain.
+    pub(super) fn is_hopeless(&self) -> bool {
+        self.bad_in_a_row > 2 * self.playlist.len()
+    }
+
+    /// Never shows a photo again.
+    pub(super) fn hide(&mut self, id: PhotoId) {
+        let path = self.path(id);
+        let kept = match (&path, &mut self.memory) {
+            (Some(path), Some(memory)) => {
+                memory.hide(path);
+                "for ever"
+            }
+            _ => "until the program ends",
+        };
+        if let Some(path) = path {
+            log::info!("{}: hidden {kept}", path.display());
+        }
+        self.playlist.hide(id);
+    }
+
+    /// Remembers where the show is, from time to time, or `at_once`.
+    pub(super) fn remember(&mut self, now: Duration, chosen: (Kind, Kind), at_once: bool) {
+        let Some(memory) = &mut self.memory else { return };
+        let state = || State {
+            playlist: self.playlist.snapshot(),
+            amplitude: Some(chosen.0),
+            frequency: Some(chosen.1),
+        };
+        if at_once {
+            memory.keep_now(&state());
+        } else {
+            memory.keep(now, state);
+        }
+    }
+}
