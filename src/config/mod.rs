@@ -3,6 +3,8 @@
 //! What can be chosen of a show, as checked values with the product's defaults. Knows what a choice means; knows no file, no
 //! argument and no device.
 
+pub mod night;
+
 use crate::{
     effect::shimmer::{self, Range},
     noise::{Kind, drive},

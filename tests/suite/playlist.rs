@@ -257,6 +257,15 @@ fn what_there_is_no_room_for_is_counted_and_the_rest_is_shown() {
 }
 
 #[test]
+fn the_whole_capacity_is_shown_once_a_round() {
+    let mut playlist = Playlist::new(vec![Slot::EMPTY; 2_000], Order::Shuffle, 1);
+    // Ids that differ in their high bits only.
+    let photos = ids((0..2_000).map(|i| i << 48));
+    assert_eq!(playlist.update(&photos), 0);
+    assert_eq!(run(&mut playlist, 2_000).into_iter().collect::<HashSet<_>>().len(), 2_000);
+}
+
+#[test]
 fn a_photo_that_is_told_twice_is_shown_once() {
     for order in Order::ALL {
         let mut playlist = playlist(order, 1, &ids([1, 2, 1, 3, 2]));
@@ -340,6 +349,9 @@ proptest! {
         };
         let mut playlist = playlist(Order::Shuffle, seed, &listing(&there));
         let mut round = HashSet::from([current(&playlist)]);
+        // Photos that were away at a restart: whether they were shown before may be remembered, or not, so that it is not clear
+        // from outside in which round they are.
+        let mut away = HashSet::new();
         let mut last = playlist.snapshot().place;
         for event in events {
             match event {
@@ -364,8 +376,7 @@ proptest! {
                         prop_assert!(playlist.hide(PhotoId(id)));
                     }
                     playlist.update(&listing(&there));
-                    // Whether a photo that comes later was shown before is not remembered.
-                    round.retain(|id| there.contains(id));
+                    away.extend(round.extract_if(|id| !there.contains(id)));
                 }
             }
             let visible: HashSet<u64> = there.difference(&hidden).copied().collect();
@@ -378,7 +389,8 @@ proptest! {
             if let (Some((_, drawn)), true) = (place, place != last)
                 && !round.insert(drawn.0)
             {
-                prop_assert!(visible.iter().all(|id| round.contains(id)), "{} again, {:?} of {:?}", drawn.0, round, visible);
+                let shown = |id| round.contains(id) || away.contains(id);
+                prop_assert!(visible.iter().all(shown), "{} again, {:?} of {:?}", drawn.0, round, visible);
                 round = HashSet::from([drawn.0]);
             }
             last = place;
