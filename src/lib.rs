@@ -44,6 +44,9 @@
 //! The only part that knows std, files, clocks and devices.
 #![cfg_attr(not(any(feature = "os", test)), no_std)]
 
+#[macro_use]
+mod named;
+
 pub mod app;
 pub mod config;
 pub mod display;

@@ -16,7 +16,7 @@ use yurameki::{
         shimmer::{Range, Shimmer, storage_len},
     },
     frame::{Layout, PixelFormat, Size},
-    input::Button,
+    input::action::Action,
 };
 
 struct Counting;
@@ -104,7 +104,7 @@ fn a_prepared_photo_shows_a_thousand_frames_without_the_heap() {
                 for frame in 0..1_000_usize {
                     if frame % 9 == 8 {
                         // Every button in turn, so that all noises, the pause and the information have been on.
-                        let _ = show.press(Button::ALL[frame / 9 % Button::ALL.len()]);
+                        let _ = show.press(Action::ALL[frame / 9 % Action::ALL.len()]);
                     }
                     if frame % 400 == 399 {
                         show.restart();

@@ -1,6 +1,6 @@
 //! # The program's decisions
 //!
-//! What a press means ([`State`]), which photo comes next ([`playlist`]), how bright the panel is ([`night`]), when a frame
+//! What an action means ([`State`]), which photo comes next ([`playlist`]), how bright the panel is ([`night`]), when a frame
 //! is due ([`pace`]), and one turn of the loop ([`Show::turn`]): render, present, step. Decides; whoever calls it opens photos
 //! and waits for time to pass.
 
@@ -12,4 +12,4 @@ mod show;
 mod state;
 
 pub use show::Show;
-pub use state::{Action, Request, State};
+pub use state::{Outcome, Request, State};

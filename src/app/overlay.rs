@@ -3,7 +3,7 @@
 use crate::{
     frame::{
         FrameMut,
-        pack::{Colours, Level, pack},
+        pack::{Level, Levels, pack},
     },
     noise::Kind,
 };
@@ -82,12 +82,14 @@ impl DrawTarget for Canvas<'_, '_> {
             if at.x < 0 || at.y < 0 || at.x as u32 >= self.inner.width || at.y as u32 >= self.inner.height {
                 continue;
             }
-            let level = [Level::from(colour.luma()) << 4];
+            let mut planes = [[Level::from(colour.luma()) << 4]; 3];
+            let [red, green, blue] = planes.each_mut();
+            let colour = Levels { red, green, blue };
             let (left, top) = (self.corner.0 + at.x as u32 * scale, self.corner.1 + at.y as u32 * scale);
             for (x, y) in (top..top + scale).flat_map(|y| (left..left + scale).map(move |x| (x, y))) {
                 let start = x as usize * bytes;
                 let out = &mut self.frame.row(y)[start..start + bytes];
-                pack(format, Colours { red: &level, green: &level, blue: &level }, x, y, out);
+                pack(format, &colour, x, y, out);
             }
         }
         Ok(())

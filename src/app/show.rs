@@ -1,11 +1,11 @@
 use super::{
     overlay,
-    state::{Action, Request, State},
+    state::{Outcome, Request, State},
 };
 use crate::{
     display::{Display, DisplayError},
     effect::{Effect, Paint},
-    input::Button,
+    input::action::Action,
     math::Factor,
     noise::{
         Kind,
@@ -18,6 +18,8 @@ use crate::{
 pub struct Show {
     state: State,
     oscillator: Oscillator,
+    /// The noises of the amplitude and the frequency that the photo was last said to have.
+    noises: (Kind, Kind),
     drive: Drive,
     frames_per_second: u32,
     /// Frames presented since the show began.
@@ -42,6 +44,7 @@ impl Show {
         Self {
             state,
             oscillator,
+            noises: (settings.amplitude, settings.frequency),
             drive,
             frames_per_second,
             frame: 0,
@@ -57,12 +60,24 @@ impl Show {
         (self.onset_frames, self.settled) = (0, 0);
     }
 
-    /// Takes a press in, and tells what it asks of the caller.
-    pub fn press(&mut self, button: Button) -> Option<Request> {
-        match self.state.press(button)? {
-            Action::NextAmplitude => self.choose_noise(Oscillator::amplitude, Oscillator::set_amplitude),
-            Action::NextFrequency => self.choose_noise(Oscillator::frequency, Oscillator::set_frequency),
-            Action::Ask(request) => return Some(request),
+    /// The photo that is shown from now on has these noises. What the buttons have chosen stays while photos do not differ in
+    /// theirs.
+    pub fn choose_noises(&mut self, amplitude: Kind, frequency: Kind) {
+        let before = core::mem::replace(&mut self.noises, (amplitude, frequency));
+        if before.0 != amplitude {
+            self.oscillator.set_amplitude(amplitude);
+        }
+        if before.1 != frequency {
+            self.oscillator.set_frequency(frequency);
+        }
+    }
+
+    /// Does what a press is for, and tells what that asks of the caller.
+    pub fn press(&mut self, action: Action) -> Option<Request> {
+        match self.state.take(action)? {
+            Outcome::NextAmplitude => self.choose_noise(Oscillator::amplitude, Oscillator::set_amplitude),
+            Outcome::NextFrequency => self.choose_noise(Oscillator::frequency, Oscillator::set_frequency),
+            Outcome::Ask(request) => return Some(request),
         }
         None
     }

@@ -1,8 +1,8 @@
-use crate::input::Button;
+use crate::input::action::Action;
 
-/// What a press asks for beyond the state itself.
+/// What an action comes to beyond the state itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Action {
+pub enum Outcome {
     /// Drive the amplitude by the next noise.
     NextAmplitude,
     /// Drive the frequency by the next noise.
@@ -18,6 +18,14 @@ pub enum Request {
     NextPhoto,
     /// Show the photo before.
     PreviousPhoto,
+    /// Bring the photo to life by the next effect.
+    NextEffect,
+    /// Switch the panel off, or on again.
+    Sleep,
+    /// Never show this photo again.
+    Hide,
+    /// Read the configuration and the folders anew.
+    Reload,
     /// End the program.
     Quit,
 }
@@ -32,23 +40,26 @@ pub struct State {
 }
 
 impl State {
-    /// Takes a press in.
-    pub fn press(&mut self, button: Button) -> Option<Action> {
-        match button {
-            Button::Right => Some(Action::Ask(Request::NextPhoto)),
-            Button::Left => Some(Action::Ask(Request::PreviousPhoto)),
-            Button::Up => Some(Action::NextAmplitude),
-            Button::Down => Some(Action::NextFrequency),
-            Button::Escape => Some(Action::Ask(Request::Quit)),
-            Button::Space => {
+    /// Takes an action in.
+    pub fn take(&mut self, action: Action) -> Option<Outcome> {
+        match action {
+            Action::Pause => {
                 self.paused = !self.paused;
                 None
             }
-            Button::Info => {
+            Action::Information => {
                 self.information = !self.information;
                 None
             }
-            Button::Enter => None,
+            Action::Amplitude => Some(Outcome::NextAmplitude),
+            Action::Frequency => Some(Outcome::NextFrequency),
+            Action::Next => Some(Outcome::Ask(Request::NextPhoto)),
+            Action::Previous => Some(Outcome::Ask(Request::PreviousPhoto)),
+            Action::Effect => Some(Outcome::Ask(Request::NextEffect)),
+            Action::Sleep => Some(Outcome::Ask(Request::Sleep)),
+            Action::Hide => Some(Outcome::Ask(Request::Hide)),
+            Action::Reload => Some(Outcome::Ask(Request::Reload)),
+            Action::Quit => Some(Outcome::Ask(Request::Quit)),
         }
     }
 }
@@ -58,11 +69,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn space_and_information_are_switches() {
+    fn pause_and_information_are_switches() {
         let mut state = State::default();
-        assert_eq!([Button::Space, Button::Info].map(|b| state.press(b)), [None; 2]);
+        assert_eq!([Action::Pause, Action::Information].map(|action| state.take(action)), [None; 2]);
         assert_eq!(state, State { paused: true, information: true });
-        assert_eq!([Button::Space, Button::Info].map(|b| state.press(b)), [None; 2]);
+        assert_eq!([Action::Pause, Action::Information].map(|action| state.take(action)), [None; 2]);
         assert_eq!(state, State::default());
+    }
+
+    #[test]
+    fn what_is_asked_of_others_leaves_the_state_alone() {
+        let mut state = State::default();
+        let switches = [Action::Pause, Action::Information];
+        for action in Action::ALL.into_iter().filter(|action| !switches.contains(action)) {
+            assert!(state.take(action).is_some() && state == State::default(), "{action}");
+        }
     }
 }

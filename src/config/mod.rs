@@ -9,7 +9,6 @@ use crate::{
     effect::shimmer::{self, Range},
     noise::{Kind, drive},
 };
-use core::{fmt, str::FromStr};
 
 /// Frames a second that can be asked for. Below 12 the motion is seen as steps; above 60 no panel shows more.
 pub const FRAMES_PER_SECOND: core::ops::RangeInclusive<u32> = 12..=60;
@@ -51,53 +50,42 @@ pub enum Preset {
     Waterfall,
 }
 
+named!(Preset, "preset", Poplar = "poplar", Rowan = "rowan", River = "river", Waterfall = "waterfall");
+
 impl Preset {
-    /// Every preset, in the paper's order.
-    pub const ALL: [Self; 4] = [Self::Poplar, Self::Rowan, Self::River, Self::Waterfall];
-
-    /// The name as people type it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Poplar => "poplar",
-            Self::Rowan => "rowan",
-            Self::River => "river",
-            Self::Waterfall => "waterfall",
-        }
-    }
-
-    /// The life that the paper gave to this kind of object.
-    pub fn life(self) -> Life {
-        let range = match self {
+    /// Gives `life` the range mode and the noises of this kind of object; the rest stays.
+    pub const fn apply(self, life: &mut Life) {
+        life.shimmer.range = match self {
             Self::Poplar | Self::Rowan => Range::Full,
             Self::River | Self::Waterfall => Range::Neighbourhood,
         };
-        let (amplitude, frequency) = match self {
+        (life.drive.amplitude, life.drive.frequency) = match self {
             Self::Poplar => (Kind::Brown, Kind::Brown),
             Self::Rowan | Self::River | Self::Waterfall => (Kind::Filter, Kind::Constant),
         };
-        let mut life = Life::default();
-        life.shimmer.range = range;
-        (life.drive.amplitude, life.drive.frequency) = (amplitude, frequency);
-        life
     }
 }
 
-/// A word that names no [`Preset`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct UnknownPreset;
-
-impl fmt::Display for UnknownPreset {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("unknown preset; the known ones are poplar, rowan, river, waterfall")
-    }
+/// In which order photos are shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Order {
+    /// By chance, none twice before all were shown.
+    #[default]
+    Shuffle,
+    /// By the names of their files, 2 before 10.
+    Name,
+    /// By the date at which they were taken.
+    Date,
 }
 
-impl core::error::Error for UnknownPreset {}
+named!(Order, "order", Shuffle = "shuffle", Name = "name", Date = "date");
 
-impl FromStr for Preset {
-    type Err = UnknownPreset;
-
-    fn from_str(word: &str) -> Result<Self, UnknownPreset> {
-        Self::ALL.into_iter().find(|preset| preset.name() == word).ok_or(UnknownPreset)
-    }
+/// Which effect brings a photo to life.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EffectChoice {
+    /// [`crate::effect::shimmer`].
+    #[default]
+    Shimmer,
 }
+
+named!(EffectChoice, "effect", Shimmer = "shimmer");

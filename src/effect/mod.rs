@@ -4,28 +4,48 @@
 //! after that it renders any frame from a [`Drive`], cannot fail and allocates nothing. Knows sizes, strides and the drive;
 //! knows no device, file or clock.
 
+pub mod paint;
 pub mod shimmer;
 
+pub use paint::Paint;
+
 use crate::{
-    frame::{FrameMut, Size},
+    frame::{FrameMut, Size, pack::Levels},
+    math::Factor,
     noise::drive::Drive,
 };
-use core::fmt;
-
-/// What part of a frame an effect must paint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Paint {
-    /// Every pixel: what the frame holds is unknown.
-    Everything,
-    /// What moves: the frame holds an earlier frame of the same effect, prepared as it is now.
-    Motion,
-}
+use core::{fmt, ops::Range};
 
 /// A picture that moves.
 pub trait Effect {
+    /// The picture at one moment.
+    type Moment<'a>: Moment
+    where
+        Self: 'a;
+
+    /// The picture at the moment of `drive`.
+    fn at(&mut self, drive: Drive) -> Self::Moment<'_>;
+
     /// Renders the frame for `drive` into `out`, whose size is the one the effect was prepared for.
-    fn render(&mut self, drive: Drive, paint: Paint, out: &mut FrameMut<'_>);
+    fn render(&mut self, drive: Drive, paint: Paint, out: &mut FrameMut<'_>) {
+        paint::one(&self.at(drive), paint, Factor::ONE, out);
+    }
 }
+
+/// A picture that stands still for one frame: its rows, to be painted, blended with another's, or dimmed.
+pub trait Moment {
+    /// Width and height in pixels.
+    fn size(&self) -> Size;
+
+    /// The columns of row `y` that can differ from those of the moments before and after.
+    fn moving(&self, y: u32) -> impl Iterator<Item = Range<usize>>;
+
+    /// Fills `levels`, at most [`RUN`] of them, with the colours of the pixels from column `x` of row `y` on.
+    fn levels(&self, x: usize, y: u32, levels: &mut Levels<'_>);
+}
+
+/// The most pixels that are computed at a time: their levels stay in the first-level cache.
+pub const RUN: usize = 128;
 
 /// A photo as the panel shows it.
 #[derive(Clone, Copy, Debug)]

@@ -5,22 +5,29 @@ use super::{PixelFormat, dither};
 /// A colour channel with 4 fractional bits: 8-bit levels × 16, so 0..=4080.
 pub type Level = u16;
 
-/// Colours of a run of pixels, a plane a channel.
-#[derive(Clone, Copy, Debug)]
-pub struct Colours<'a> {
-    /// Red levels.
-    pub red: &'a [Level],
-    /// Green levels, as many.
-    pub green: &'a [Level],
-    /// Blue levels, as many.
-    pub blue: &'a [Level],
+/// Colours of a run of pixels, a plane a channel, all of one length.
+#[derive(Debug)]
+pub struct Levels<'a> {
+    /// Red.
+    pub red: &'a mut [Level],
+    /// Green.
+    pub green: &'a mut [Level],
+    /// Blue.
+    pub blue: &'a mut [Level],
+}
+
+impl Levels<'_> {
+    /// The three planes, to be treated alike.
+    pub fn planes(&mut self) -> [&mut [Level]; 3] {
+        [self.red, self.green, self.blue]
+    }
 }
 
 /// Writes pixels `x`.. of row `y` into `out`, whose length is that of the run in `format`.
 ///
 /// Levels are brought to the format's own steps by ordered dithering with the fixed tile of [`dither`]: what the format can
 /// show exactly stays exact, and the mean over a tile is within 1/256 of a step of the level asked for.
-pub fn pack(format: PixelFormat, colours: Colours<'_>, x: u32, y: u32, out: &mut [u8]) {
+pub fn pack(format: PixelFormat, colours: &Levels<'_>, x: u32, y: u32, out: &mut [u8]) {
     match format {
         PixelFormat::Xrgb8888 => pack_as::<4>(colours, x, y, out, |[r, g, b], t| {
             (0xff00_0000 | to_8(r, t) << 16 | to_8(g, t) << 8 | to_8(b, t)).to_le_bytes()
@@ -48,7 +55,7 @@ pub fn pack(format: PixelFormat, colours: Colours<'_>, x: u32, y: u32, out: &mut
 
 #[inline(always)]
 fn pack_as<const BYTES: usize>(
-    colours: Colours<'_>,
+    colours: &Levels<'_>,
     x: u32,
     y: u32,
     out: &mut [u8],
@@ -56,7 +63,7 @@ fn pack_as<const BYTES: usize>(
 ) {
     let (pixels, _) = out.as_chunks_mut::<BYTES>();
     let row = dither::thresholds(y);
-    let channels = colours.red.iter().zip(colours.green).zip(colours.blue);
+    let channels = colours.red.iter().zip(&*colours.green).zip(&*colours.blue);
     for (i, (out, ((&r, &g), &b))) in pixels.iter_mut().zip(channels).enumerate() {
         *out = pixel([r, g, b], u32::from(row[(x as usize + i) % dither::SIDE]));
     }
@@ -92,8 +99,9 @@ mod tests {
 
     fn packed(format: PixelFormat, level: Level, threshold_x: u32, y: u32) -> [u8; 3] {
         let mut out = [0; 4];
-        let plane = [level];
-        let colours = Colours { red: &plane, green: &plane, blue: &plane };
+        let mut planes = [[level]; 3];
+        let [red, green, blue] = planes.each_mut();
+        let colours = &Levels { red, green, blue };
         let bytes = format.bytes_per_pixel();
         pack(format, colours, threshold_x, y, &mut out[..bytes]);
         format.unpack(&out)
@@ -142,7 +150,7 @@ mod tests {
 
     #[test]
     fn channels_land_where_the_format_says() {
-        let colours = Colours { red: &[255 * 16], green: &[128 * 16], blue: &[0] };
+        let colours = &Levels { red: &mut [255 * 16], green: &mut [128 * 16], blue: &mut [0] };
         for format in PixelFormat::ALL {
             let mut out = [0; 4];
             pack(format, colours, 0, 0, &mut out[..format.bytes_per_pixel()]);

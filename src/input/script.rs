@@ -1,30 +1,30 @@
 //! Presses by the frame: a show that can be repeated to the pixel.
 //!
 //! ```text
-//! # the frame's number, from 0, and the button
+//! # the frame's number, from 0, the button, and how it is pressed if that is not short
 //! 90   up
-//! 90   right
-//! 240  space      # several presses may share a frame
+//! 90   right      # several presses may share a frame
+//! 240  space long
 //! ```
 
-use super::{Button, Buttons};
+use super::{Button, Buttons, Known, Press, gesture::Gesture};
 use core::{fmt, iter::Peekable};
 
 /// Presses, each at its frame.
 #[derive(Clone, Debug)]
 pub struct Script<'a> {
-    presses: Peekable<Presses<'a>>,
+    presses: Peekable<Lines<'a>>,
 }
 
 impl<'a> Script<'a> {
-    /// The longest line, in bytes. A press takes 26 at the most; the rest is room for a comment.
+    /// The longest line, in bytes. A press takes 33 at the most; the rest is room for a comment.
     pub const MAX_LINE_BYTES: usize = 1024;
 
-    /// The script in `text`: on each line the number of a frame and a button, frames not decreasing. Empty lines and what
-    /// follows a `#` are passed over; letters may be small or capital. The text is checked whole, once: a script that was
-    /// accepted has no bad line.
+    /// The script in `text`: on each line the number of a frame, a button and perhaps a gesture, frames not decreasing. Empty
+    /// lines and what follows a `#` are passed over; letters may be small or capital. The text is checked whole, once: a
+    /// script that was accepted has no bad line.
     pub fn parse(text: &'a str) -> Result<Self, ScriptError<'a>> {
-        let presses = Presses::new(text);
+        let presses = Lines::new(text);
         let mut last_frame = 0;
         for press in presses.clone() {
             let (line, frame, _) = press?;
@@ -39,23 +39,23 @@ impl<'a> Script<'a> {
 
 impl Buttons for Script<'_> {
     /// The next press that is due at `frame`; presses of frames that were left out come late rather than never.
-    fn next_press(&mut self, frame: u64) -> Option<Button> {
-        let due = |press: &Result<Press, _>| press.as_ref().is_ok_and(|&(_, at, _)| at <= frame);
-        let (_, _, button) = self.presses.next_if(due)?.ok()?;
-        Some(button)
+    fn next_press(&mut self, frame: u64) -> Option<Press> {
+        let due = |line: &Result<Line, _>| line.as_ref().is_ok_and(|&(_, at, _)| at <= frame);
+        let (_, _, press) = self.presses.next_if(due)?.ok()?;
+        Some(press)
     }
 }
 
-/// The number of the line, the frame, the button.
-type Press = (usize, u64, Button);
+/// The number of the line, the frame, the press.
+type Line = (usize, u64, Press);
 
 /// The presses of a text, line by line.
 #[derive(Clone, Debug)]
-struct Presses<'a> {
+struct Lines<'a> {
     lines: core::iter::Enumerate<core::str::Lines<'a>>,
 }
 
-impl<'a> Presses<'a> {
+impl<'a> Lines<'a> {
     fn new(text: &'a str) -> Self {
         // Some editors begin a file with a byte order mark.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -63,14 +63,14 @@ impl<'a> Presses<'a> {
     }
 }
 
-impl<'a> Iterator for Presses<'a> {
-    type Item = Result<Press, ScriptError<'a>>;
+impl<'a> Iterator for Lines<'a> {
+    type Item = Result<Line, ScriptError<'a>>;
 
     fn next(&mut self) -> Option<Self::Item> {
         self.lines.by_ref().find_map(|(index, line)| {
             let number = index + 1;
             match parse_line(line) {
-                Ok(press) => press.map(|(frame, button)| Ok((number, frame, button))),
+                Ok(press) => press.map(|(frame, press)| Ok((number, frame, press))),
                 Err(fault) => Some(Err(ScriptError { line: number, fault })),
             }
         })
@@ -78,7 +78,7 @@ impl<'a> Iterator for Presses<'a> {
 }
 
 /// The press on a line; `None` where it has none.
-fn parse_line(line: &str) -> Result<Option<(u64, Button)>, ScriptFault<'_>> {
+fn parse_line(line: &str) -> Result<Option<(u64, Press)>, ScriptFault<'_>> {
     if line.len() > Script::MAX_LINE_BYTES {
         return Err(ScriptFault::Long { bytes: line.len() });
     }
@@ -88,9 +88,13 @@ fn parse_line(line: &str) -> Result<Option<(u64, Button)>, ScriptFault<'_>> {
     let frame = frame.parse().map_err(|_| ScriptFault::Frame(frame))?;
     let name = words.next().ok_or(ScriptFault::NoButton)?;
     let button = Button::from_name(name).ok_or(ScriptFault::Button(name))?;
+    let gesture = match words.next() {
+        Some(name) => name.parse().map_err(|_| ScriptFault::Gesture(name))?,
+        None => Gesture::Short,
+    };
     match words.next() {
         Some(word) => Err(ScriptFault::Extra(word)),
-        None => Ok(Some((frame, button))),
+        None => Ok(Some((frame, Press { button, gesture }))),
     }
 }
 
@@ -117,7 +121,9 @@ pub enum ScriptFault<'a> {
     NoButton,
     /// The second word names no button.
     Button(&'a str),
-    /// There is a third word.
+    /// The third word names no gesture.
+    Gesture(&'a str),
+    /// There is a fourth word.
     Extra(&'a str),
     /// The frame comes before that of an earlier line.
     Order {
@@ -139,12 +145,20 @@ impl fmt::Display for ScriptError<'_> {
                 write!(f, "{} is not a frame's number; a press is a line like \"90 right\"", Quoted(word))
             }
             ScriptFault::NoButton => {
-                f.write_str("a button is missing after the frame's number; ")?;
-                list_buttons(f)
+                let known = Button::ALL.map(Button::name);
+                write!(f, "a button is missing after the frame's number; {}", Known(&known))
             }
             ScriptFault::Button(word) => {
-                write!(f, "unknown button {}; ", Quoted(word))?;
-                list_buttons(f)
+                write!(f, "unknown button {}; {}", Quoted(word), Known(&Button::ALL.map(Button::name)))
+            }
+            ScriptFault::Gesture(word) => {
+                let known = Gesture::ALL.map(Gesture::name);
+                write!(
+                    f,
+                    "unknown gesture {}; {}; put each press on a line of its own",
+                    Quoted(word),
+                    Known(&known)
+                )
             }
             ScriptFault::Extra(word) => {
                 write!(f, "{} is one word too many; put each press on a line of its own", Quoted(word))
@@ -157,14 +171,6 @@ impl fmt::Display for ScriptError<'_> {
 }
 
 impl core::error::Error for ScriptError<'_> {}
-
-fn list_buttons(f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    f.write_str("the known ones are ")?;
-    for (i, button) in Button::ALL.iter().enumerate() {
-        write!(f, "{}{button}", if i == 0 { "" } else { ", " })?;
-    }
-    Ok(())
-}
 
 /// A word of somebody's file within a message: in quotes, escaped, and cut where it is long.
 struct Quoted<'a>(&'a str);
@@ -184,12 +190,12 @@ mod tests {
     use super::*;
 
     /// The presses at each of the frames 0 to 9.
-    fn by_frame(text: &str) -> Vec<(u64, Button)> {
+    fn by_frame(text: &str) -> Vec<(u64, Press)> {
         let mut script = Script::parse(text).expect("a good script");
         let mut presses = Vec::new();
         for frame in 0..10 {
-            while let Some(button) = script.next_press(frame) {
-                presses.push((frame, button));
+            while let Some(press) = script.next_press(frame) {
+                presses.push((frame, press));
             }
         }
         presses
@@ -197,9 +203,9 @@ mod tests {
 
     #[test]
     fn presses_come_at_their_frames_in_order() {
-        let text = "\u{feff}# a show\r\n\r\n0 right\n  3\tUP # louder\n3 Esc\n9 i\n12 left";
-        let expected = [(0, Button::Right), (3, Button::Up), (3, Button::Escape), (9, Button::Info)];
-        assert_eq!(by_frame(text), expected);
+        let text = "\u{feff}# a show\r\n\r\n0 right\n  3\tUP Long # louder\n3 Esc short\n9 i double\n12 left";
+        let expected = [(0, "right"), (3, "up:long"), (3, "esc"), (9, "i:double")];
+        assert_eq!(by_frame(text), expected.map(|(frame, press)| (frame, press.parse().expect("a press"))));
     }
 
     #[test]
@@ -207,7 +213,7 @@ mod tests {
         let mut script = Script::parse("2 left\n5 right").expect("a good script");
         assert_eq!(script.next_press(1), None);
         assert_eq!(
-            [7, 7, 7].map(|frame| script.next_press(frame)),
+            [7, 7, 7].map(|frame| script.next_press(frame).map(|press| press.button)),
             [Some(Button::Left), Some(Button::Right), None]
         );
     }

@@ -27,6 +27,11 @@ pub const fn mul_q15(a: i16, b: i16) -> i16 {
     ((a as i32 * b as i32 + (1 << 14)) >> 15) as i16
 }
 
+/// A factor of −1..=1 in Q15; 1 itself is one step short.
+pub(crate) fn q15(factor: Factor) -> i16 {
+    (factor.to_bits() >> 13).clamp(-32_767, 32_767) as i16
+}
+
 /// `x` / 2^`shift`, rounded to the nearest, halves up. A leak that rounds down instead would pull a noise below zero.
 pub(crate) const fn shift_rounded(x: i64, shift: u32) -> i64 {
     (x + ((1 << shift) >> 1)) >> shift

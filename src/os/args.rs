@@ -5,7 +5,7 @@ use super::{
     photo::Fit,
 };
 use crate::{
-    config::{self, Life, Preset},
+    config::{self, EffectChoice, Preset},
     display::sim,
     effect::shimmer::{Branch, Light, Range},
     frame::{PixelFormat, Rotation, Size},
@@ -40,28 +40,36 @@ pub enum Command {
     Noise(Noise),
     /// Write the automatic mask of a photo, to look at and edit in any paint program.
     Mask(Mask),
+    /// Print, check and explain what can be configured.
+    Config(ConfigFile),
 }
 
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
 pub struct Run {
-    /// Photos, and folders of photos; without any, the built-in demo photo.
+    /// Photos, and folders of photos; without any, those that the configuration names, else the built-in demo photo.
     pub photos: Vec<PathBuf>,
+    /// The configuration; /etc/yurameki/config.toml where nothing is said and that is there. What is said here goes before it.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// The board, by the name or the file of its facts; `yurameki config --boards` lists them.
+    #[arg(long, value_name = "NAME|FILE.toml")]
+    pub board: Option<String>,
     /// Where to show them: auto, window, or a simulated panel as sim:WIDTHxHEIGHT[:FORMAT[:STRIDE_BYTES]].
-    #[arg(long, default_value = "auto")]
-    pub display: DisplayChoice,
+    #[arg(long)]
+    pub display: Option<DisplayChoice>,
     /// Frames a second, 12 to 60.
-    #[arg(long, value_name = "F", default_value_t = config::DEFAULT_FRAMES_PER_SECOND, value_parser = clap::value_parser!(u32).range(12..=60))]
-    pub fps: u32,
+    #[arg(long, value_name = "F", value_parser = clap::value_parser!(u32).range(12..=60))]
+    pub fps: Option<u32>,
     /// End after so many frames.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub frames: Option<u64>,
-    /// Presses of buttons, one `FRAME BUTTON` a line.
+    /// Presses of buttons, one `FRAME BUTTON [double|long]` a line.
     #[arg(long, value_name = "FILE")]
     pub script: Option<PathBuf>,
     /// How the panel is mounted: the picture is turned clockwise by so many degrees.
-    #[arg(long, value_name = "DEGREES", default_value = "0")]
-    pub rotate: Rotation,
+    #[arg(long, value_name = "DEGREES")]
+    pub rotate: Option<Rotation>,
     /// How photos live.
     #[command(flatten)]
     pub look: Look,
@@ -136,12 +144,33 @@ pub struct Mask {
     pub out: Target,
 }
 
-/// How photos live.
+/// Arguments of `config`.
 #[derive(Debug, clap::Args)]
+#[group(required = true, multiple = false)]
+pub struct ConfigFile {
+    /// Print the default configuration, in which every key is explained.
+    #[arg(long)]
+    pub default: bool,
+    /// Check a configuration or the file of a board.
+    #[arg(long, value_name = "FILE")]
+    pub check: Option<PathBuf>,
+    /// List the known boards.
+    #[arg(long)]
+    pub boards: bool,
+    /// Print the facts of a known board, as a start for another.
+    #[arg(long, value_name = "NAME")]
+    pub board: Option<String>,
+}
+
+/// How photos live.
+#[derive(Clone, Debug, Default, clap::Args)]
 pub struct Look {
     /// The seed of the noises: the same seed, the same motion.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// The effect: shimmer.
+    #[arg(long)]
+    pub effect: Option<EffectChoice>,
     /// The paper's set-up for poplar, rowan, river or waterfall; single options go before it.
     #[arg(long)]
     pub preset: Option<Preset>,
@@ -176,26 +205,8 @@ pub struct Look {
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     pub wind: Option<i16>,
     /// How a photo of another shape fills the panel: blurred, fill or plain.
-    #[arg(long, default_value_t)]
-    pub fit: Fit,
-}
-
-impl Look {
-    /// The life asked for: that of the preset, if there is one, with what else was said.
-    pub fn life(&self) -> Life {
-        let mut life = self.preset.map_or_else(Life::default, Preset::life);
-        let (drive, shimmer) = (&mut life.drive, &mut life.shimmer);
-        drive.amplitude = self.amplitude.unwrap_or(drive.amplitude);
-        drive.frequency = self.frequency.unwrap_or(drive.frequency);
-        drive.phase = self.phase.unwrap_or(drive.phase);
-        shimmer.range = self.range.unwrap_or(shimmer.range);
-        shimmer.branch = self.branch.unwrap_or(shimmer.branch);
-        shimmer.light = self.light.unwrap_or(shimmer.light);
-        shimmer.relief = self.relief.unwrap_or(shimmer.relief);
-        shimmer.strength = self.strength.unwrap_or(shimmer.strength);
-        shimmer.wind = self.wind.map_or(shimmer.wind, |degrees| Turns::from_degrees(degrees.into()));
-        life
-    }
+    #[arg(long)]
+    pub fit: Option<Fit>,
 }
 
 /// Where to show photos.
@@ -282,7 +293,7 @@ fn png_target() -> impl TypedValueParser<Value = Target> {
     })
 }
 
-fn phase(word: &str) -> Result<PhaseForm, &'static str> {
+pub(super) fn phase(word: &str) -> Result<PhaseForm, &'static str> {
     match word {
         "integrated" => Ok(PhaseForm::Integrated),
         "literal" => Ok(PhaseForm::Literal),
@@ -290,7 +301,7 @@ fn phase(word: &str) -> Result<PhaseForm, &'static str> {
     }
 }
 
-fn light(word: &str) -> Result<Light, &'static str> {
+pub(super) fn light(word: &str) -> Result<Light, &'static str> {
     let form = "a light is AZIMUTH,ELEVATION in whole degrees, the elevation 5 to 90, like 315,45";
     let (azimuth, elevation) = word.split_once(',').ok_or(form)?;
     let azimuth: i16 = azimuth.trim().parse().map_err(|_| form)?;
@@ -298,7 +309,7 @@ fn light(word: &str) -> Result<Light, &'static str> {
     Ok(Light { azimuth: Turns::from_degrees(azimuth.into()), elevation: Turns::from_degrees(elevation) })
 }
 
-fn factor(word: &str) -> Result<Factor, &'static str> {
+pub(super) fn factor(word: &str) -> Result<Factor, &'static str> {
     let number =
         word.parse::<Factor>().ok().filter(|factor| (Factor::ZERO..=Factor::from_num(4)).contains(factor));
     number.ok_or("a number from 0 to 4 is needed")

@@ -4,6 +4,13 @@
 //! needs from here.
 
 pub mod args;
+pub mod board;
+pub mod config;
+mod config_command;
+pub mod config_file;
+mod document;
+#[cfg(target_os = "linux")]
+pub mod evdev;
 pub mod backlight;
 pub mod interrupt;
 pub mod library;
@@ -15,6 +22,7 @@ pub mod photo;
 pub mod progress;
 mod run;
 pub mod scene;
+pub mod sidecar;
 pub mod state;
 mod stdout;
 mod usage;
@@ -25,16 +33,23 @@ mod mask;
 mod noise;
 mod render;
 
+pub use document::{ConfigError, Fault, Place};
+
 use args::{Args, Command};
 use std::{error::Error, fmt};
 
-/// Why a command ended early, as one line for people.
+/// Why a command ended early, as one line for people; for a configuration a line for each mistake.
 #[derive(Debug)]
 pub struct Failure(Box<dyn Error>);
 
 impl Failure {
     fn new(line: impl Into<String>) -> Self {
         Self(line.into().into())
+    }
+
+    /// The code to end with: 1 failed, 2 asked for what cannot be.
+    pub fn exit_code(&self) -> u8 {
+        if self.0.is::<ConfigError>() { 2 } else { 1 }
     }
 }
 
@@ -50,6 +65,13 @@ impl<E: Error + 'static> From<E> for Failure {
     }
 }
 
+/// Logs no more than `level`, unless the environment (RUST_LOG) says otherwise.
+pub fn set_log_level(level: log::LevelFilter) {
+    if std::env::var_os("RUST_LOG").is_none() {
+        log::set_max_level(level);
+    }
+}
+
 /// Does what the arguments ask for.
 pub fn execute(args: Args) -> Result<(), Failure> {
     match args.command {
@@ -58,5 +80,6 @@ pub fn execute(args: Args) -> Result<(), Failure> {
         Some(Command::Render(args)) => render::render(&args),
         Some(Command::Noise(args)) => noise::noise(&args),
         Some(Command::Mask(args)) => mask::mask(&args),
+        Some(Command::Config(args)) => config_command::config(&args),
     }
 }

@@ -7,7 +7,7 @@ use crate::{
         sim::{self, Buffering, Sim},
     },
     frame::{Layout, PixelFormat, Size},
-    input::{Button, Buttons},
+    input::{Buttons, Press, key_map::KeyMap},
 };
 use std::time::{Duration, Instant};
 
@@ -111,11 +111,19 @@ impl Buttons for Panel {
         not(feature = "window"),
         expect(unused_variables, reason = "a simulated panel has no buttons")
     )]
-    fn next_press(&mut self, frame: u64) -> Option<Button> {
+    fn next_press(&mut self, frame: u64) -> Option<Press> {
         match self {
             #[cfg(feature = "window")]
             Self::Window(window) => window.next_press(frame),
             Self::Sim(_) => None,
+        }
+    }
+
+    fn set_keys(&mut self, keys: KeyMap) {
+        match self {
+            #[cfg(feature = "window")]
+            Self::Window(window) => window.set_keys(keys),
+            Self::Sim(_) => {}
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{
     Failure, args,
+    config::Config,
     interrupt::Interrupt,
     output::{FrameHash, Target, Writer},
     progress::Progress,
@@ -12,7 +13,7 @@ use crate::{
     app::Show,
     display::sim::{self, Buffering, Sim},
     effect::shimmer::{Shimmer, storage_len},
-    frame::{Layout, Rotation},
+    frame::Layout,
 };
 use clap::Parser;
 use std::env;
@@ -36,13 +37,14 @@ pub(super) fn render(args: &args::Render) -> Result<(), Failure> {
 fn film(args: &args::Render, source: Source<'_>) -> Result<(), Failure> {
     let interrupt = Interrupt::install()?;
     let layout = Layout::new(args.size, args.format, None)?;
-    let life = args.look.life().at(args.fps);
-    let scene = Scene::load(source, args.size, Rotation::None, &args.look)?;
+    let config = Config { typed: args.look.clone(), ..Config::default() };
+    let scene = Scene::load(source, args.size, &config)?;
+    let life = scene.look().life.at(args.fps);
     let mut storage = vec![0; storage_len(args.size)];
     let mut shimmer = Shimmer::prepare(scene.photo(), &life.shimmer, &mut storage)?;
     let memory = vec![0; sim::memory_len(layout, Buffering::Single)];
     let mut panel = Sim::new(memory, layout, Buffering::Single, 0)?;
-    let mut show = Show::new(life.drive, args.fps, args.look.seed);
+    let mut show = Show::new(life.drive, args.fps, args.look.seed.unwrap_or(config.seed));
 
     let open = |target: &Target| Writer::create(target, args.size, args.rate(), args.frames);
     let mut writer = args.out.as_ref().map(open).transpose()?;

@@ -2,10 +2,12 @@
 
 use super::{
     Failure, args,
+    config::Config,
     interrupt::Interrupt,
     panel::Panel,
     photo, render,
     scene::{self, Scene, Source},
+    set_log_level,
     stdout::print_line,
 };
 use crate::{
@@ -15,8 +17,11 @@ use crate::{
         playlist::{Order, PhotoId, Playlist, Slot},
     },
     display::{Display, DisplayError},
-    effect::shimmer::{Shimmer, storage_len},
-    input::{Buttons, script::Script},
+    effect::{
+        Effect,
+        shimmer::{Shimmer, storage_len},
+    },
+    input::{Buttons, key_map::KeyMap, script::Script},
 };
 use clap::Parser;
 use std::{
@@ -32,8 +37,10 @@ use std::{
 pub(super) fn demo() -> Result<(), Failure> {
     let args = args::Args::parse_from(["yurameki", "run", "--display", "window"]);
     let Some(args::Command::Run(args)) = args.command else { unreachable!("`run` was asked for") };
-    match Panel::open(args.display, args.fps) {
-        Ok(panel) => show(&args, &[Source::Demo], panel),
+    let mut config = Config::default();
+    config.apply_args(&args);
+    match Panel::open(config.display, config.frames_per_second) {
+        Ok(panel) => show(&config, &args, &[Source::Demo], panel),
         Err(why) => {
             log::info!("{why}");
             render::demo()
@@ -42,19 +49,21 @@ pub(super) fn demo() -> Result<(), Failure> {
 }
 
 pub(super) fn run(args: &args::Run) -> Result<(), Failure> {
-    let files = photo::list(&args.photos)?;
+    let config = Config::resolve(args)?;
+    set_log_level(config.log);
+    let files = photo::list(&config.photos)?;
     let mut sources: Vec<Source<'_>> = files.iter().map(|path| Source::File(path)).collect();
-    if args.photos.is_empty() {
+    if config.photos.is_empty() {
         sources.push(Source::Demo);
     }
-    show(args, &sources, Panel::open(args.display, args.fps)?)
+    show(&config, args, &sources, Panel::open(config.display, config.frames_per_second)?)
 }
 
 /// How long to wait before a display that is gone is asked again.
 const LOST_DISPLAY_WAIT: Duration = Duration::from_millis(250);
 
-fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<(), Failure> {
-    let mut playlist = Playlist::new(vec![Slot::EMPTY; sources.len()], Order::Name, args.look.seed);
+fn show(config: &Config, args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<(), Failure> {
+    let mut playlist = Playlist::new(vec![Slot::EMPTY; sources.len()], Order::Name, config.seed);
     playlist.update(&(0..sources.len() as u64).map(PhotoId).collect::<Vec<_>>());
     if playlist.is_empty() {
         return Err(Failure::new(
@@ -65,20 +74,23 @@ fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<()
     let text = path.map_or(Ok(String::new()), read_script)?;
     let refused = |error| Failure::new(format!("{}: {error}", path.unwrap_or(Path::new("")).display()));
     let mut script = Script::parse(&text).map_err(refused)?;
-    let life = scene::turned(args.look.life().at(args.fps), args.rotate);
+    let frames_per_second = config.frames_per_second;
+    let drive = config.plain_look().life.at(frames_per_second).drive;
     let mut run = Running {
-        show: Show::new(life.drive, args.fps, args.look.seed),
+        show: Show::new(drive, frames_per_second, config.seed),
+        keys: config.actions,
         clock: Instant::now(),
         interrupt: Interrupt::install()?,
         frames: args.frames,
-        frames_per_second: args.fps,
+        frames_per_second,
     };
+    panel.set_keys(config.actions);
     let (mut storage, mut skipped, mut failed_in_a_row) = (Vec::new(), HashSet::new(), 0);
     while let Some(PhotoId(photo)) = playlist.current()
         && failed_in_a_row < sources.len()
     {
         let size = panel.mode().layout.size;
-        let scene = match Scene::load(sources[photo as usize], size, args.rotate, &args.look) {
+        let scene = match Scene::load(sources[photo as usize], size, config) {
             Ok(scene) => scene,
             Err(failure) if sources.len() == 1 => return Err(failure),
             Err(failure) => {
@@ -91,6 +103,8 @@ fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<()
             }
         };
         failed_in_a_row = 0;
+        let life = scene::turned(scene.look().life.at(frames_per_second), config.rotation);
+        run.show.choose_noises(life.drive.amplitude, life.drive.frequency);
         storage.resize(storage_len(size), 0);
         let mut shimmer = Shimmer::prepare(scene.photo(), &life.shimmer, &mut storage)?;
         match run.photo(&mut shimmer, scene.name(), &mut panel, &mut script) {
@@ -99,8 +113,8 @@ fn show(args: &args::Run, sources: &[Source<'_>], mut panel: Panel) -> Result<()
             Some(Request::Quit) => {
                 return panel.report().map_or(Ok(()), print_line);
             }
-            // The panel has another mode: the same photo again.
-            None => {}
+            // The panel has another mode: the same photo again. Of the requests, `photo` gives no others.
+            None | Some(Request::NextEffect | Request::Sleep | Request::Hide | Request::Reload) => {}
         }
     }
     Err(Failure::new("none of the photos can be shown"))
@@ -124,6 +138,7 @@ fn read_script(path: &Path) -> Result<String, Failure> {
 /// The loop, and what it looks at between frames.
 struct Running {
     show: Show,
+    keys: KeyMap,
     clock: Instant,
     interrupt: Interrupt,
     frames: Option<u64>,
@@ -134,7 +149,7 @@ impl Running {
     /// Shows a photo until somebody asks for something else, or, without a request, until the panel has another mode.
     fn photo(
         &mut self,
-        shimmer: &mut Shimmer<'_>,
+        shimmer: &mut impl Effect,
         name: &str,
         panel: &mut Panel,
         script: &mut Script<'_>,
@@ -145,9 +160,14 @@ impl Running {
             if self.interrupt.requested() || self.frames.is_some_and(|frames| self.show.frame() >= frames) {
                 return Some(Request::Quit);
             }
-            let request = next_request(&mut self.show, [script, panel]);
-            if request.is_some() {
-                return request;
+            let request = next_request(&mut self.show, &self.keys, [script, panel]);
+            match request {
+                Some(Request::NextPhoto | Request::PreviousPhoto | Request::Quit) => return request,
+                Some(Request::NextEffect) => log::info!("there is no other effect than shimmer"),
+                Some(request @ (Request::Sleep | Request::Hide | Request::Reload)) => {
+                    log::info!("{request:?}: this show cannot do that");
+                }
+                None => {}
             }
             match self.show.turn(shimmer, name, panel) {
                 Ok(()) => {}
@@ -162,10 +182,10 @@ impl Running {
 }
 
 /// Takes all presses in; the first that asks for something ends the round.
-fn next_request(show: &mut Show, buttons: [&mut dyn Buttons; 2]) -> Option<Request> {
+fn next_request(show: &mut Show, keys: &KeyMap, buttons: [&mut dyn Buttons; 2]) -> Option<Request> {
     for buttons in buttons {
-        while let Some(button) = buttons.next_press(show.frame()) {
-            let request = show.press(button);
+        while let Some(press) = buttons.next_press(show.frame()) {
+            let request = keys.action(press).and_then(|action| show.press(action));
             if request.is_some() {
                 return request;
             }

@@ -2,7 +2,8 @@
 
 use super::{
     Failure,
-    args::{Look, MaskChoice},
+    args::MaskChoice,
+    config::{Config, Look},
     photo,
 };
 use crate::{
@@ -35,35 +36,47 @@ pub struct Scene {
     size: Size,
     rgb: Vec<u8>,
     mask: Vec<u8>,
+    look: Look,
 }
 
 impl Scene {
-    /// Loads the photo at `source` and its mask for a panel of `size` that is mounted turned by `rotation`.
+    /// Loads the photo at `source`, its mask and its sidecar for a panel of `size` that is mounted as `config` says.
     ///
     /// # Errors
     /// A photo or mask that cannot be used; one line that names it, what is wrong and the cure.
-    pub fn load(source: Source<'_>, size: Size, rotation: Rotation, look: &Look) -> Result<Self, Failure> {
+    pub fn load(source: Source<'_>, size: Size, config: &Config) -> Result<Self, Failure> {
+        let look = match source {
+            Source::File(path) => config.look(path),
+            Source::Demo => config.plain_look(),
+        };
+        let rotation = config.rotation;
         let upright = rotation.turned(size);
-        let options = photo::Options { fit: look.fit, ..photo::Options::new(upright) };
+        let limits = photo::Limits { bytes: config.memory_ceiling_bytes, ..photo::Limits::default() };
+        let options = photo::Options { size: upright, fit: look.fit, background: look.background, limits };
         let photo = match source {
             Source::File(path) => photo::load(path, &options)?,
             Source::Demo => photo::from_bytes("the demo photo", DEMO, &options)?,
         };
-        let mask = choose_mask(source, &photo, look, &options.limits)?;
+        let mask = choose_mask(source, &photo, &look, &options.limits)?;
         let name =
             Path::new(&photo.name).file_name().map_or(photo.name.clone(), |n| n.to_string_lossy().into());
         if rotation == Rotation::None {
-            return Ok(Self { name, size, rgb: photo.rgb, mask });
+            return Ok(Self { name, size, rgb: photo.rgb, mask, look });
         }
         let (mut rgb, mut turned_mask) = (vec![[0; 3]; size.pixels()], vec![0; size.pixels()]);
         rotate(rotation, photo.rgb.as_chunks::<3>().0, upright, &mut rgb);
         rotate(rotation, &mask, upright, &mut turned_mask);
-        Ok(Self { name, size, rgb: rgb.into_flattened(), mask: turned_mask })
+        Ok(Self { name, size, rgb: rgb.into_flattened(), mask: turned_mask, look })
     }
 
     /// What people call the photo: the name of its file.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// How the photo is shown: as its sidecar says, or as all are.
+    pub const fn look(&self) -> &Look {
+        &self.look
     }
 
     /// What an effect is prepared from.
@@ -145,6 +158,7 @@ fn paste(mask: &mut [u8], photo: &photo::Photo, part: &[u8]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::os::args;
     use crate::{
         effect::{
             Effect, Paint,
@@ -159,16 +173,17 @@ mod tests {
     #[derive(Parser)]
     struct Words {
         #[command(flatten)]
-        look: Look,
+        look: args::Look,
     }
 
     /// The demo photo at a moment of its life on a panel that is mounted turned, seen upright.
     fn upright(size: Size, rotation: Rotation, range: Range) -> Vec<[u8; 3]> {
-        let look = Words::parse_from(["", "--light", "20,35", "--wind", "65", "--strength", "1.5"]).look;
-        let mut life = turned(look.life(), rotation);
-        life.shimmer.range = range;
+        let typed = Words::parse_from(["", "--light", "20,35", "--wind", "65", "--strength", "1.5"]).look;
+        let config = Config { typed, rotation, ..Config::default() };
         let panel = rotation.turned(size);
-        let scene = Scene::load(Source::Demo, panel, rotation, &look).unwrap();
+        let scene = Scene::load(Source::Demo, panel, &config).unwrap();
+        let mut life = turned(scene.look().life, rotation);
+        life.shimmer.range = range;
         let mut storage = vec![0; storage_len(panel)];
         let mut shimmer = Shimmer::prepare(scene.photo(), &life.shimmer, &mut storage).unwrap();
         let layout = Layout::new(panel, PixelFormat::Bgr888, None).unwrap();

@@ -4,15 +4,24 @@
 //! present or a press is asked for, and nothing here waits for them.
 //!
 //! Keys: ← → ↑ ↓ ENTER SPACE I ESC are the frame's buttons. F or F11 enters and leaves full screen, where the pointer is
-//! hidden. A key that is held down counts once.
+//! hidden. A window that loses the focus has its buttons released.
 
 use super::panics::without_panic;
 use crate::{
     display::{BackBuffer, Display, DisplayError, Mode},
     frame::{FrameMut, Layout, PixelFormat, Size},
-    input::{Button, Buttons},
+    input::{
+        Button, Buttons, Press,
+        gesture::{Edge, Gestures},
+        key_map::KeyMap,
+    },
 };
-use std::{collections::VecDeque, env, fmt, num::NonZeroU32, rc::Rc, time::Duration};
+use std::{
+    env, fmt,
+    num::NonZeroU32,
+    rc::Rc,
+    time::{Duration, Instant},
+};
 use winit::{
     application::ApplicationHandler,
     dpi::PhysicalSize,
@@ -106,11 +115,16 @@ impl Display for Window {
 }
 
 impl Buttons for Window {
-    fn next_press(&mut self, _frame: u64) -> Option<Button> {
-        if self.shown.presses.is_empty() {
+    fn next_press(&mut self, _frame: u64) -> Option<Press> {
+        self.shown.gestures.next_press().or_else(|| {
             self.pump();
-        }
-        self.shown.presses.pop_front()
+            self.shown.gestures.advance(self.shown.start.elapsed());
+            self.shown.gestures.next_press()
+        })
+    }
+
+    fn set_keys(&mut self, keys: KeyMap) {
+        self.shown.gestures.set_keys(keys);
     }
 }
 
@@ -162,14 +176,12 @@ struct Shown {
     /// Whether the window system has lost what was drawn.
     exposed: bool,
     closed: bool,
-    presses: VecDeque<Button>,
+    gestures: Gestures,
+    /// From when the times of gestures count.
+    start: Instant,
 }
 
 impl Shown {
-    /// Presses that wait for somebody to ask for them. Whoever presses more often than this between two frames has no
-    /// particular one in mind.
-    const WAITING_PRESSES: usize = 32;
-
     fn new(
         window: Rc<winit::window::Window>,
         display: OwnedDisplayHandle,
@@ -185,7 +197,9 @@ impl Shown {
             age: 0,
             exposed: false,
             closed: false,
-            presses: VecDeque::with_capacity(Self::WAITING_PRESSES),
+            // Keys come debounced. Their times are those of the pumping, when several may come at once.
+            gestures: Gestures::new(KeyMap::default(), Duration::ZERO),
+            start: Instant::now(),
         };
         shown.adopt(size)?;
         Ok(shown)
@@ -229,13 +243,15 @@ impl Shown {
         buffer.present()
     }
 
-    fn press(&mut self, key: &Key) {
+    fn key(&mut self, key: &Key, pressed: bool) {
         match key {
-            Key::Named(NamedKey::F11) => self.toggle_full_screen(),
-            Key::Character(letter) if letter.eq_ignore_ascii_case("f") => self.toggle_full_screen(),
+            Key::Named(NamedKey::F11) if pressed => self.toggle_full_screen(),
+            Key::Character(letter) if pressed && letter.eq_ignore_ascii_case("f") => {
+                self.toggle_full_screen()
+            }
             key => {
-                if let Some(button) = button_of(key).filter(|_| self.presses.len() < Self::WAITING_PRESSES) {
-                    self.presses.push_back(button);
+                if let Some(button) = button_of(key) {
+                    self.gestures.edge(Edge { button, pressed, at: self.start.elapsed() });
                 }
             }
         }
@@ -257,11 +273,17 @@ impl ApplicationHandler for Shown {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => self.closed = true,
             WindowEvent::Resized(size) => self.size = frame_size(size).unwrap_or(self.size),
             WindowEvent::RedrawRequested => self.exposed = true,
-            WindowEvent::KeyboardInput {
-                event: KeyEvent { logical_key, state: ElementState::Pressed, repeat: false, .. },
-                is_synthetic: false,
+            WindowEvent::Focused(false) => self.gestures.release_all(self.start.elapsed()),
+            // A synthetic press tells of a key that was down before the window had the focus.
+            WindowEvent::KeyboardInput { event: KeyEvent { repeat: true, .. }, .. }
+            | WindowEvent::KeyboardInput {
+                event: KeyEvent { state: ElementState::Pressed, .. },
+                is_synthetic: true,
                 ..
-            } => self.press(&logical_key),
+            } => {}
+            WindowEvent::KeyboardInput { event: KeyEvent { logical_key, state, .. }, .. } => {
+                self.key(&logical_key, state.is_pressed());
+            }
             _ => {}
         }
     }

@@ -6,7 +6,7 @@ use yurameki::{
     display::sim::Buffering,
     effect::shimmer::Range,
     frame::{FrameRef, Layout, PixelFormat, Size},
-    input::Button,
+    input::action::Action,
     noise::Kind,
 };
 
@@ -31,7 +31,7 @@ fn life(range: Range) -> Life {
 }
 
 /// Information on and off, so that whole frames and moving parts are painted in turn.
-const PRESSES: [(u32, Button); 2] = [(9, Button::Info), (11, Button::Info)];
+const PRESSES: [(u32, Action); 2] = [(9, Action::Information), (11, Action::Information)];
 
 const FRAMES: u32 = 20;
 

@@ -136,7 +136,10 @@ fn a_bad_script_is_refused_by_line_and_word() {
     assert!(message("right 3").starts_with("line 1 of the script: \"right\" is not a frame's number"));
     assert!(message("-3 up").contains("\"-3\" is not a frame's number"));
     assert!(message("18446744073709551616 up").contains("is not a frame's number"));
-    assert!(message("3 up long").contains("\"long\" is one word too many"));
+    assert!(
+        message("3 up triple").contains("unknown gesture \"triple\"; the known ones are short, double, long")
+    );
+    assert!(message("3 up long 4").contains("\"4\" is one word too many"));
     assert!(message("\n9 up\n8 up").starts_with("line 3 of the script: frame 8 comes after frame 9"));
 }
 

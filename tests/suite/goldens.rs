@@ -9,7 +9,7 @@ use yurameki::{
     display::sim::Buffering,
     effect::shimmer::{self, Branch, Light, Range},
     frame::{Layout, PixelFormat, Size},
-    input::Button,
+    input::action::Action,
     math::{Factor, Turns},
     noise::{
         Kind,
@@ -173,8 +173,13 @@ fn demos() -> Vec<Film> {
     (fast.staging.frames_per_second, fast.staging.seed) = (30, 2);
     films.push(fast);
     let mut pressed = film("demo-pressed", Source::DemoWithHoles, life(Range::Neighbourhood));
-    pressed.staging.presses =
-        &[(9, Button::Up), (20, Button::Space), (25, Button::Space), (27, Button::Down), (40, Button::Up)];
+    pressed.staging.presses = &[
+        (9, Action::Amplitude),
+        (20, Action::Pause),
+        (25, Action::Pause),
+        (27, Action::Frequency),
+        (40, Action::Amplitude),
+    ];
     films.push(pressed);
     films
 }

@@ -1,7 +1,9 @@
 //! The integration tests: one binary, one module a theme.
 
+mod buttons;
 #[cfg(feature = "os")]
 mod cli;
+mod config;
 mod cross_geometry;
 mod display;
 #[cfg(feature = "os")]

@@ -14,7 +14,7 @@ use yurameki::{
         shimmer::{Range, Shimmer, storage_len},
     },
     frame::{FrameRef, Layout, PixelFormat, Size},
-    input::Button,
+    input::action::Action,
     noise::Kind,
 };
 
@@ -57,20 +57,20 @@ fn same(a: FrameRef<'_>, b: FrameRef<'_>) -> bool {
 }
 
 /// Presses that change everything that can be changed, with time between them to settle and without.
-const PRESSES: [(u32, Button); 13] = [
-    (15, Button::Up),
-    (60, Button::Space),
-    (70, Button::Info),
-    (80, Button::Info),
-    (90, Button::Space),
-    (91, Button::Down),
-    (92, Button::Up),
-    (140, Button::Info),
-    (143, Button::Space),
-    (144, Button::Space),
-    (150, Button::Info),
-    (151, Button::Info),
-    (152, Button::Info),
+const PRESSES: [(u32, Action); 13] = [
+    (15, Action::Amplitude),
+    (60, Action::Pause),
+    (70, Action::Information),
+    (80, Action::Information),
+    (90, Action::Pause),
+    (91, Action::Frequency),
+    (92, Action::Amplitude),
+    (140, Action::Information),
+    (143, Action::Pause),
+    (144, Action::Pause),
+    (150, Action::Information),
+    (151, Action::Information),
+    (152, Action::Information),
 ];
 
 #[test]
@@ -97,8 +97,8 @@ fn painting_what_moves_leaves_the_same_frame_as_painting_everything() {
             let mut before = Vec::new();
             let mut changes = 0;
             for frame in 0..200 {
-                for (_, button) in PRESSES.iter().filter(|(at, _)| *at == frame) {
-                    assert_eq!((show.press(*button), whole.show.press(*button)), (None, None));
+                for (_, action) in PRESSES.iter().filter(|(at, _)| *at == frame) {
+                    assert_eq!((show.press(*action), whole.show.press(*action)), (None, None));
                 }
                 if frame == 180 {
                     show.restart();
@@ -152,8 +152,9 @@ fn a_show_goes_on_through_ten_thousand_troubled_turns() {
         while turns < 10_000 {
             turns += 1;
             if turns % 97 == 0 {
-                let button = [Button::Up, Button::Info, Button::Down, Button::Space][turns / 97 % 4];
-                assert_eq!((show.press(button), whole.show.press(button)), (None, None));
+                let action = [Action::Amplitude, Action::Information, Action::Frequency, Action::Pause]
+                    [turns / 97 % 4];
+                assert_eq!((show.press(action), whole.show.press(action)), (None, None));
             }
             match show.turn(&mut shimmer, "a photo.jpg", &mut panel) {
                 Ok(()) => {

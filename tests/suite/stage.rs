@@ -9,7 +9,7 @@ use yurameki::{
         shimmer::{Shimmer, storage_len},
     },
     frame::{FrameRef, Layout, Size},
-    input::Button,
+    input::action::Action,
 };
 
 /// A photo and its mask.
@@ -87,7 +87,7 @@ pub(crate) struct Staging<'a> {
     pub(crate) layout: Layout,
     pub(crate) buffering: Buffering,
     /// Presses, each before the frame of its number.
-    pub(crate) presses: &'a [(u32, Button)],
+    pub(crate) presses: &'a [(u32, Action)],
 }
 
 impl Staging<'_> {
@@ -106,8 +106,8 @@ impl Staging<'_> {
         let mut panel = Sim::new(&mut memory[..], self.layout, self.buffering, 0).expect("enough memory");
         let mut show = Show::new(self.life.drive, self.frames_per_second, self.seed);
         for frame in 0..frames {
-            for (_, button) in self.presses.iter().filter(|(at, _)| *at == frame) {
-                let _ = show.press(*button);
+            for (_, action) in self.presses.iter().filter(|(at, _)| *at == frame) {
+                let _ = show.press(*action);
             }
             show.turn(&mut shimmer, "a photo.jpg", &mut panel).expect("a simulated panel shows everything");
             look(frame, panel.shown().expect("presented"));

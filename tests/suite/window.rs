@@ -103,8 +103,8 @@ fn hold_a_window() {
     };
     eprintln!("mode {}", window.mode().layout.size);
     for (turn, wish) in (0..).zip(stdin().lines()) {
-        while let Some(button) = window.next_press(turn) {
-            eprintln!("press {button}");
+        while let Some(press) = window.next_press(turn) {
+            eprintln!("press {press}");
         }
         if wish.expect("text") == LISTEN {
             eprintln!("turn");

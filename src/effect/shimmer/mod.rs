@@ -38,15 +38,15 @@ mod storage;
 #[cfg(test)]
 mod reference;
 
+pub use render::Moment;
 pub use storage::storage_len;
 
-use super::{Effect, Paint, Photo, StorageTooSmall};
+use super::{Effect, Photo, StorageTooSmall};
 use crate::{
-    frame::{FrameMut, Size},
+    frame::Size,
     math::{Factor, Turns},
     noise::drive::Drive,
 };
-use core::{fmt, str::FromStr};
 use storage::Planes;
 
 /// How the centre and the amplitude of a pixel's swing are found.
@@ -71,31 +71,6 @@ pub enum Branch {
     Falling,
     /// A hash of the pixel's place decides: grainy, for glitter.
     Scattered,
-}
-
-/// Implements names for an enum: `NAMES`, `Display` and `FromStr`, whose error lists the known names.
-macro_rules! named {
-    ($type:ident, $what:literal, $($variant:ident = $name:literal),+) => {
-        impl $type {
-            /// The known names, in the order in which they are listed to people.
-            pub const NAMES: &'static [(&'static str, Self)] = &[$(($name, Self::$variant)),+];
-        }
-
-        impl fmt::Display for $type {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str(match self { $(Self::$variant => $name),+ })
-            }
-        }
-
-        impl FromStr for $type {
-            type Err = &'static str;
-
-            fn from_str(word: &str) -> Result<Self, Self::Err> {
-                let known = Self::NAMES.iter().find(|(name, _)| *name == word);
-                known.map(|(_, value)| *value).ok_or(concat!("unknown ", $what, "; the known ones are" $(, " ", $name)+))
-            }
-        }
-    };
 }
 
 named!(Range, "range mode", Full = "full", Neighbourhood = "neighbourhood", Travelling = "travelling");
@@ -144,11 +119,11 @@ impl Default for Settings {
 /// The unit of [`Settings::relief`].
 pub const LUMA_FOR_45_DEGREES: i32 = 20;
 
-/// A photo that shimmers.
+/// A photo that shimmers, in memory `S`: lent (`&mut [u64]`) or owned (`Vec<u64>`).
 #[derive(Debug)]
-pub struct Shimmer<'a> {
+pub struct Shimmer<S> {
     size: Size,
-    storage: &'a mut [u64],
+    storage: S,
     light: shade::Light,
     /// m / L_z in Q13.
     strength: i16,
@@ -156,18 +131,14 @@ pub struct Shimmer<'a> {
     centred: bool,
 }
 
-impl<'a> Shimmer<'a> {
+impl<S: AsMut<[u64]>> Shimmer<S> {
     /// Prepares `photo` in `storage`, which must hold [`storage_len`] words.
     ///
     /// # Panics
     /// If `photo.rgb` or `photo.mask` does not have the length that `photo.size` asks for.
-    pub fn prepare(
-        photo: Photo<'_>,
-        settings: &Settings,
-        storage: &'a mut [u64],
-    ) -> Result<Self, StorageTooSmall> {
+    pub fn prepare(photo: Photo<'_>, settings: &Settings, mut storage: S) -> Result<Self, StorageTooSmall> {
         let light = shade::Light::new(settings.light);
-        let mut planes = Planes::carve(photo.size, storage)?;
+        let mut planes = Planes::carve(photo.size, storage.as_mut())?;
         planes.fill_photo(photo);
         height::fill(&mut planes, settings);
         relief::fill(&mut planes, settings, light);
@@ -177,14 +148,19 @@ impl<'a> Shimmer<'a> {
         Ok(Self { size: photo.size, storage, light, strength, centred })
     }
 
-    /// Gives the lent memory back.
-    pub fn into_storage(self) -> &'a mut [u64] {
+    /// Gives the memory back.
+    pub fn into_storage(self) -> S {
         self.storage
     }
 }
 
-impl Effect for Shimmer<'_> {
-    fn render(&mut self, drive: Drive, paint: Paint, out: &mut FrameMut<'_>) {
-        render::render(self, drive, paint, out);
+impl<S: AsMut<[u64]>> Effect for Shimmer<S> {
+    type Moment<'a>
+        = Moment<'a>
+    where
+        S: 'a;
+
+    fn at(&mut self, drive: Drive) -> Moment<'_> {
+        Moment::new(self, drive)
     }
 }

@@ -181,7 +181,7 @@ impl Scene {
 
 /// A shimmer and the frame that it renders into.
 struct Frame {
-    shimmer: Shimmer<'static>,
+    shimmer: Shimmer<Vec<u64>>,
     pixels: Vec<u8>,
     layout: Layout,
 }
@@ -189,8 +189,7 @@ struct Frame {
 impl Frame {
     fn new(scene: &Scene, range: Range, format: PixelFormat, mask: &[u8]) -> Result<Self, Box<dyn Error>> {
         let photo = Photo { size: scene.size, rgb: &scene.rgb, mask };
-        // Leaked: the program ends after a few of them.
-        let storage = vec![0; storage_len(scene.size)].leak();
+        let storage = vec![0; storage_len(scene.size)];
         let shimmer = Shimmer::prepare(photo, &Settings { range, ..Settings::default() }, storage)?;
         let layout = Layout::new(scene.size, format, None)?;
         Ok(Self { shimmer, pixels: vec![0; layout.len_bytes()], layout })

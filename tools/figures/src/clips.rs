@@ -188,7 +188,7 @@ impl Clip {
         let rate = FrameRate::new(DEFAULT_FRAMES_PER_SECOND, 1).ok_or("12 frames a second is no rate")?;
         let writer = Writer::create(&Target::parse(path.as_os_str())?, size, rate, frames)?;
         let rgb = vec![GREY; layout.len_bytes()];
-        Ok(Self { writer, drive: life.drive, seed: args.subject.look.seed, layout, rgb })
+        Ok(Self { writer, drive: life.drive, seed: args.subject.seed(), layout, rgb })
     }
 
     /// Writes the frames of a part; `done` is told of each, and says whether to stop.

@@ -7,10 +7,11 @@ use yurameki::{
     config::{DEFAULT_FRAMES_PER_SECOND, Life, Preset},
     display::sim::{Buffering, Sim, memory_len},
     effect::shimmer::{Shimmer, storage_len},
-    frame::{FrameRef, Layout, PixelFormat, Rotation, Size},
+    frame::{FrameRef, Layout, PixelFormat, Size},
     noise::drive,
     os::{
         args::{Look, size},
+        config::Config,
         scene::{Scene, Source},
     },
 };
@@ -33,25 +34,34 @@ impl Subject {
     /// Loads the photo.
     pub(crate) fn load(&self) -> Result<Scene, Failure> {
         let source = self.photo.as_deref().map_or(Source::Demo, Source::File);
-        Scene::load(source, self.size, Rotation::None, &self.look)
-            .map_err(|failure| failure.to_string().into())
+        Scene::load(source, self.size, &self.config()).map_err(|failure| failure.to_string().into())
     }
 
     /// How it lives: as the paper's poplar, unless another preset or single settings were asked for.
     pub(crate) fn life(&self) -> Life {
-        let paper = Preset::Poplar.life();
-        let mut life = self.look.life();
-        if self.look.preset.is_none() {
-            life.shimmer.range = self.look.range.unwrap_or(paper.shimmer.range);
+        let mut life = self.config().plain_look().life;
+        if self.look.preset.is_none() && self.look.range.is_none() {
+            let mut paper = Life::default();
+            Preset::Poplar.apply(&mut paper);
+            life.shimmer.range = paper.shimmer.range;
         }
         life
+    }
+
+    /// The noises' seed.
+    pub(crate) fn seed(&self) -> u64 {
+        self.look.seed.unwrap_or(self.config().seed)
+    }
+
+    fn config(&self) -> Config {
+        Config { typed: self.look.clone(), ..Config::default() }
     }
 }
 
 /// The frames of a photo that was prepared once.
 pub(crate) struct Film<'a> {
     name: &'a str,
-    shimmer: Shimmer<'a>,
+    shimmer: Shimmer<&'a mut [u64]>,
     layout: Layout,
 }
 

@@ -27,7 +27,7 @@ const HALF_RANGE: f64 = 127.5;
 /// Draws Fig. 3, 4 and 5.
 pub(crate) fn draw(args: &Args) -> Result<(), Failure> {
     let folder = args.out.create()?;
-    let seed = args.subject.look.seed;
+    let seed = args.subject.seed();
     frames::draw(&folder.join("fig3-frames.png"), &args.subject)?;
     amplitude::draw(&folder.join("fig4-amplitude.png"), seed)?;
     height::draw(&folder.join("fig5-height.png"), seed)

@@ -33,7 +33,7 @@ pub(super) fn draw(path: &Path, subject: &Subject) -> Result<(), Failure> {
     let mut drive = life.drive;
     drive.amplitude = subject.look.amplitude.unwrap_or(Kind::Filter);
     drive.frequency = subject.look.frequency.unwrap_or(Kind::Filter);
-    let mut showing = Showing::new(&film, drive, subject.look.seed)?;
+    let mut showing = Showing::new(&film, drive, subject.seed())?;
     let mut taken = Vec::new();
     for t in 0..=FRAMES[1] {
         let frame = showing.frame(&mut film)?;
