@@ -74,7 +74,7 @@ impl LocalTime {
         Ok(Self { zone, set: trust == Trust::AsItIs })
     }
 
-    /// The minute of the local day now, 0..1440; `None` while the clock is not known to be set. Costs a microsecond.
+    /// The minute of the local day now, 0..1440; `None` while the clock is not known to be set. Costs three system calls at the most.
     pub fn now(&mut self) -> Option<u16> {
         self.set = self.set || is_synchronised();
         self.minute_at(Timestamp::now()).filter(|_| self.set)

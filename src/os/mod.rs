@@ -4,6 +4,7 @@
 //! needs from here.
 
 pub mod args;
+pub mod backlight;
 pub mod board;
 pub mod config;
 mod config_command;
@@ -11,7 +12,6 @@ pub mod config_file;
 mod document;
 #[cfg(target_os = "linux")]
 pub mod evdev;
-pub mod backlight;
 pub mod interrupt;
 pub mod library;
 pub mod local_time;

@@ -14,8 +14,9 @@ use crate::{
     app::{
         Request, Show,
         pace::Pace,
-        playlist::{Order, PhotoId, Playlist, Slot},
+        playlist::{PhotoId, Playlist, Slot},
     },
+    config::Order,
     display::{Display, DisplayError},
     effect::{
         Effect,

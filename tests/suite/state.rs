@@ -12,7 +12,8 @@ use std::{
     time::Duration,
 };
 use yurameki::{
-    app::playlist::{EARLY, HISTORY, Order, PhotoId, Snapshot},
+    app::playlist::{EARLY, HISTORY, PhotoId, Snapshot},
+    config::Order,
     noise::Kind,
     os::state::{Fault, Memory, State, default_folder},
 };
@@ -22,7 +23,7 @@ fn state(number: u64) -> State {
     let id = |i: u64| PhotoId(number.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(i));
     State {
         playlist: Snapshot {
-            order: Order::ALL[number as usize % 3],
+            order: Order::NAMES[number as usize % 3].1,
             salt: number,
             place: number.checked_sub(1).map(|before| (before, id(0))),
             history: (0..HISTORY as u64).map(id).collect(),
