@@ -4,9 +4,9 @@ use super::{
 };
 use crate::{
     display::{Display, DisplayError},
-    effect::{Effect, Paint},
+    effect::{Effect, Paint, paint},
     input::action::Action,
-    math::Factor,
+    math::{Factor, smoothstep},
     noise::{
         Kind,
         drive::{self, Drive, Oscillator},
@@ -30,6 +30,20 @@ pub struct Show {
     settled: u32,
     /// Frames for which the noises' names stay on the picture.
     notice_frames: u32,
+    fade: Option<Fade>,
+    /// The share of the panel's brightness, 0..=1.
+    brightness: Factor,
+}
+
+/// One photo fading into the next.
+#[derive(Clone, Copy, Debug)]
+struct Fade {
+    /// Frames it takes.
+    frames: u32,
+    /// Frames of it that were presented.
+    done: u32,
+    /// How far the photo that leaves had come alive.
+    onset: Factor,
 }
 
 /// How long the noises' names stay on the picture after a press.
@@ -51,13 +65,44 @@ impl Show {
             onset_frames: 0,
             settled: 0,
             notice_frames: 0,
+            fade: None,
+            brightness: Factor::ONE,
         }
     }
 
     /// Another photo is shown from now on, or the display has lost its frames: everything is painted, and the picture comes alive
     /// from the still photo.
     pub fn restart(&mut self) {
-        (self.onset_frames, self.settled) = (0, 0);
+        (self.onset_frames, self.settled, self.fade) = (0, 0, None);
+    }
+
+    /// Another photo is shown from now on: the one before fades into it within `frames`, and both move.
+    pub fn fade(&mut self, frames: u32) {
+        let onset = self.onset();
+        self.restart();
+        self.fade = (frames > 0).then_some(Fade { frames, done: 0, onset });
+    }
+
+    /// Whether one photo is fading into the next: whoever calls [`Self::turn_from`] must keep both.
+    pub const fn is_fading(&self) -> bool {
+        self.fade.is_some()
+    }
+
+    /// Whether the person has stopped the motion.
+    pub const fn is_paused(&self) -> bool {
+        self.state.paused
+    }
+
+    /// The noises of the amplitude and of the frequency.
+    pub const fn noises(&self) -> (Kind, Kind) {
+        (self.oscillator.amplitude(), self.oscillator.frequency())
+    }
+
+    /// Shows pictures at this share of their brightness, 0..=1, from the next frame on.
+    pub fn set_brightness(&mut self, brightness: Factor) {
+        if brightness != self.brightness {
+            (self.brightness, self.settled) = (brightness, 0);
+        }
     }
 
     /// The photo that is shown from now on has these noises. What the buttons have chosen stays while photos do not differ in
@@ -83,15 +128,27 @@ impl Show {
     }
 
     /// One frame: renders and presents it, and steps the noise. `name` is what the information calls the photo.
-    pub fn turn(
+    pub fn turn<E: Effect>(
         &mut self,
-        effect: &mut impl Effect,
+        effect: &mut E,
         name: &str,
         display: &mut impl Display,
     ) -> Result<(), DisplayError> {
-        self.present(effect, name, display)?;
+        self.turn_from(None, effect, name, display)
+    }
+
+    /// One frame as in [`Self::turn`], in which the photo that `leaving` showed may still be seen to fade.
+    pub fn turn_from<E: Effect>(
+        &mut self,
+        leaving: Option<&mut E>,
+        effect: &mut E,
+        name: &str,
+        display: &mut impl Display,
+    ) -> Result<(), DisplayError> {
+        self.present(leaving, effect, name, display)?;
         self.frame += 1;
         self.notice_frames = self.notice_frames.saturating_sub(1);
+        self.fade = self.fade.and_then(|fade| fade.after());
         if !self.state.paused {
             self.drive = self.oscillator.step();
             self.onset_frames = (self.onset_frames + 1).min(self.frames_per_second);
@@ -110,32 +167,57 @@ impl Show {
         self.notice_frames = NOTICE_SECONDS * self.frames_per_second;
     }
 
-    fn present(
+    fn present<E: Effect>(
         &mut self,
-        effect: &mut impl Effect,
+        leaving: Option<&mut E>,
+        effect: &mut E,
         name: &str,
         display: &mut impl Display,
     ) -> Result<(), DisplayError> {
         let mut back = display.back_buffer()?;
         let holds_motion = back.age != 0 && back.age <= self.settled;
-        let paint = if holds_motion { Paint::Motion } else { Paint::Everything };
-        effect.render(Drive { onset: self.onset(), ..self.drive }, paint, &mut back.frame);
-        let noises = (self.oscillator.amplitude(), self.oscillator.frequency());
+        let moment = effect.at(Drive { onset: self.onset(), ..self.drive });
+        match (leaving, self.fade) {
+            (Some(leaving), Some(fade)) => {
+                let before = leaving.at(Drive { onset: fade.onset, ..self.drive });
+                paint::fade(&before, &moment, fade.share(), self.brightness, &mut back.frame);
+            }
+            _ => {
+                let paint = if holds_motion { Paint::Motion } else { Paint::Everything };
+                paint::one(&moment, paint, self.brightness, &mut back.frame);
+            }
+        }
+        let noises = self.noises();
         let written = match (self.state.information, self.notice_frames) {
             (true, _) => overlay::write(&mut back.frame, Some(name), noises),
             (false, 1..) => overlay::write(&mut back.frame, None, noises),
             (false, 0) => false,
         };
         display.present()?;
-        // What was written must be painted over in every buffer that it went into.
-        self.settled = if written { 0 } else { self.settled.saturating_add(1) };
+        // What was written, or shone through, must be painted over in every buffer that it went into.
+        self.settled = if written || self.is_fading() { 0 } else { self.settled.saturating_add(1) };
         Ok(())
     }
 
-    /// The picture comes alive within its first second, smoothly: 3s² − 2s³.
+    /// The picture comes alive within its first second.
     fn onset(&self) -> Factor {
-        let done = u64::from(self.onset_frames) << Factor::FRAC_NBITS;
-        let s = Factor::from_bits((done / u64::from(self.frames_per_second.max(1))) as i32);
-        s * s * (Factor::from_num(3) - 2 * s)
+        smoothstep(share(self.onset_frames, self.frames_per_second))
     }
+}
+
+impl Fade {
+    fn share(&self) -> Factor {
+        smoothstep(share(self.done, self.frames))
+    }
+
+    /// The fade after one more frame, if there is more of it.
+    fn after(mut self) -> Option<Self> {
+        self.done += 1;
+        (self.done < self.frames).then_some(self)
+    }
+}
+
+/// `part` / `whole`, for a part of at most the whole.
+fn share(part: u32, whole: u32) -> Factor {
+    Factor::from_bits(((u64::from(part) << Factor::FRAC_NBITS) / u64::from(whole.max(1))) as i32)
 }

@@ -66,4 +66,11 @@ pub trait Display {
     /// Shows the back buffer. May wait for the panel's refresh, never longer. After a failure the frame may or may not have
     /// been seen, and the next back buffer tells by its age what it holds.
     fn present(&mut self) -> Result<(), DisplayError>;
+
+    /// Switches the panel's power off or on again, and says whether it could: not every panel can. While it is off, frames
+    /// may be presented as ever and are not seen; the first one after it is on again is.
+    fn set_power(&mut self, on: bool) -> Result<bool, DisplayError> {
+        let _ = on;
+        Ok(false)
+    }
 }

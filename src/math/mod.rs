@@ -27,6 +27,11 @@ pub const fn mul_q15(a: i16, b: i16) -> i16 {
     ((a as i32 * b as i32 + (1 << 14)) >> 15) as i16
 }
 
+/// 3x² − 2x³: from 0 to 1 without a jerk at either end.
+pub(crate) fn smoothstep(x: Factor) -> Factor {
+    x * x * (Factor::from_num(3) - 2 * x)
+}
+
 /// A factor of −1..=1 in Q15; 1 itself is one step short.
 pub(crate) fn q15(factor: Factor) -> i16 {
     (factor.to_bits() >> 13).clamp(-32_767, 32_767) as i16

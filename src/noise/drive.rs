@@ -13,6 +13,7 @@ use super::{Generator, Kind, Range, chaos::Chaos, response::Response};
 use crate::math::{
     Factor, Sample, Turns,
     random::{Stream, stream},
+    smoothstep,
 };
 
 /// What an effect needs to know to render a frame.
@@ -267,9 +268,4 @@ impl Glide {
         self.last = Some(value);
         value
     }
-}
-
-/// 3x² − 2x³: from 0 to 1 without a jerk at either end.
-fn smoothstep(x: Factor) -> Factor {
-    x * x * (Factor::from_num(3) - 2 * x)
 }

@@ -42,6 +42,11 @@ pub enum Command {
     Mask(Mask),
     /// Print, check and explain what can be configured.
     Config(ConfigFile),
+    /// List the displays, and the state of the console.
+    Probe,
+    #[cfg(any(feature = "kms", feature = "linuxfb"))]
+    /// Give the text console back after the program was killed.
+    RestoreConsole,
 }
 
 /// Arguments of `run`.
@@ -55,7 +60,12 @@ pub struct Run {
     /// The board, by the name or the file of its facts; `yurameki config --boards` lists them.
     #[arg(long, value_name = "NAME|FILE.toml")]
     pub board: Option<String>,
-    /// Where to show them: auto, window, or a simulated panel as sim:WIDTHxHEIGHT[:FORMAT[:STRIDE_BYTES]].
+    /// Where to show them: auto, window, kms[:CARD[:CONNECTOR[:WxH[@HZ]]]], fbdev[:DEVICE] or
+    /// sim:WIDTHxHEIGHT[:FORMAT[:STRIDE_BYTES]].
+    ///
+    /// auto is a window within a desktop, which holds the panel; without one it is kms, else fbdev, else simulated.
+    /// kms:1:HDMI-A-1:1280x720@60 is a mode of a connector of /dev/dri/card1, kms:::1280x720 a mode of the first panel;
+    /// fbdev:1 is /dev/fb1. `yurameki probe` lists what there is.
     #[arg(long)]
     pub display: Option<DisplayChoice>,
     /// Frames a second, 12 to 60.
@@ -210,35 +220,88 @@ pub struct Look {
 }
 
 /// Where to show photos.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DisplayChoice {
-    /// A window where there is a screen, else a simulated panel.
+    /// A window within a desktop, else a panel, else a simulated one.
     Auto,
     /// A window.
     Window,
+    /// A panel on a graphics card, by the kernel's mode setting.
+    Kms(KmsChoice),
+    /// A panel on a frame buffer device: this one, or the first.
+    Fbdev(Option<PathBuf>),
     /// A simulated panel.
     Sim(sim::Spec),
+}
+
+/// Which panel of a graphics card, `kms[:CARD[:CONNECTOR[:WxH[@HZ]]]]`. What is left out or empty is chosen.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct KmsChoice {
+    /// The card, like `/dev/dri/card0`, card0 or 0; without it, the first with a panel.
+    pub card: Option<PathBuf>,
+    /// The connector, like HDMI-A-1; without it, the first with a panel.
+    pub connector: Option<String>,
+    /// The mode's size; without it, the mode that the panel prefers.
+    pub size: Option<Size>,
+    /// The mode's whole frames a second; without it, the first of the size.
+    pub hertz: Option<u32>,
 }
 
 impl FromStr for DisplayChoice {
     type Err = String;
 
     fn from_str(word: &str) -> Result<Self, String> {
-        match word {
-            "auto" => Ok(Self::Auto),
-            "window" => Ok(Self::Window),
-            sim if sim.starts_with("sim") => {
-                let spec: sim::Spec = sim.parse().map_err(|e: sim::SpecError| e.to_string())?;
+        let (kind, rest) = word.split_once(':').map_or((word, None), |(kind, rest)| (kind, Some(rest)));
+        match (kind, rest) {
+            ("auto", None) => Ok(Self::Auto),
+            ("window", None) => Ok(Self::Window),
+            ("kms", rest) => rest.unwrap_or_default().parse().map(Self::Kms),
+            ("fbdev", None) => Ok(Self::Fbdev(None)),
+            ("fbdev", Some(device)) => Ok(Self::Fbdev(Some(device_path(device, "/dev/", "fb")))),
+            ("sim", _) => {
+                let spec: sim::Spec = word.parse().map_err(|e: sim::SpecError| e.to_string())?;
                 if spec.0.size.pixels() > MOST_PIXELS {
                     return Err(TOO_MANY_PIXELS.into());
                 }
                 Ok(Self::Sim(spec))
             }
-            _ => Err(
-                "unknown display; the known ones are auto, window, sim:WIDTHxHEIGHT[:FORMAT[:STRIDE_BYTES]]"
-                    .into(),
-            ),
+            _ => Err("unknown display; the known ones are auto, window, kms[:CARD[:CONNECTOR[:WxH[@HZ]]]], \
+                      fbdev[:DEVICE], sim:WIDTHxHEIGHT[:FORMAT[:STRIDE_BYTES]]"
+                .into()),
         }
+    }
+}
+
+impl FromStr for KmsChoice {
+    type Err = String;
+
+    fn from_str(words: &str) -> Result<Self, String> {
+        let mut parts = words.splitn(3, ':').map(|part| Some(part).filter(|part| !part.is_empty()));
+        let mut part = || parts.next().flatten();
+        let (card, connector, mode) = (part(), part(), part());
+        let (size_word, hertz) = match mode.and_then(|mode| mode.split_once('@')) {
+            Some((size, hertz)) => {
+                (Some(size), Some(hertz.parse().map_err(|_| "a mode is WxH or WxH@HZ, like 1280x720@60")?))
+            }
+            None => (mode, None),
+        };
+        Ok(Self {
+            card: card.map(|card| device_path(card, "/dev/dri/", "card")),
+            connector: connector.map(str::to_owned),
+            size: size_word.map(size).transpose()?,
+            hertz,
+        })
+    }
+}
+
+/// The path of a device given as a path, a name (fb1) or a number (1).
+fn device_path(word: &str, folder: &str, name: &str) -> PathBuf {
+    match word {
+        path if path.contains('/') => path.into(),
+        number if number.bytes().all(|byte| byte.is_ascii_digit()) => {
+            format!("{folder}{name}{number}").into()
+        }
+        name => format!("{folder}{name}").into(),
     }
 }
 
@@ -313,4 +376,43 @@ pub(super) fn factor(word: &str) -> Result<Factor, &'static str> {
     let number =
         word.parse::<Factor>().ok().filter(|factor| (Factor::ZERO..=Factor::from_num(4)).contains(factor));
     number.ok_or("a number from 0 to 4 is needed")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kms(
+        card: Option<&str>,
+        connector: Option<&str>,
+        size: Option<Size>,
+        hertz: Option<u32>,
+    ) -> DisplayChoice {
+        let (card, connector) = (card.map(PathBuf::from), connector.map(str::to_owned));
+        DisplayChoice::Kms(KmsChoice { card, connector, size, hertz })
+    }
+
+    #[test]
+    fn a_panel_is_asked_for_by_card_connector_and_mode_or_parts_of_them() {
+        let hd = Some(Size::new(1280, 720));
+        for (word, choice) in [
+            ("kms", kms(None, None, None, None)),
+            ("kms:1", kms(Some("/dev/dri/card1"), None, None, None)),
+            ("kms:card1:HDMI-A-1", kms(Some("/dev/dri/card1"), Some("HDMI-A-1"), None, None)),
+            ("kms:/dev/dri/x::1280x720", kms(Some("/dev/dri/x"), None, hd, None)),
+            ("kms:::1280x720@60", kms(None, None, hd, Some(60))),
+            ("fbdev", DisplayChoice::Fbdev(None)),
+            ("fbdev:1", DisplayChoice::Fbdev(Some("/dev/fb1".into()))),
+            ("fbdev:/tmp/fb", DisplayChoice::Fbdev(Some("/tmp/fb".into()))),
+        ] {
+            assert_eq!(word.parse(), Ok(choice), "{word}");
+        }
+    }
+
+    #[test]
+    fn a_panel_of_no_such_form_is_refused() {
+        for word in ["kms:::1280", "kms:::1280x720@fast", "kms:::1280x720@60:4", "auto:1", "panel", ""] {
+            assert!(word.parse::<DisplayChoice>().is_err(), "{word}");
+        }
+    }
 }

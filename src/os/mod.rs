@@ -9,16 +9,23 @@ pub mod board;
 pub mod config;
 mod config_command;
 pub mod config_file;
+#[cfg(any(feature = "kms", feature = "linuxfb"))]
+mod console;
 mod document;
 #[cfg(target_os = "linux")]
 pub mod evdev;
+#[cfg(feature = "linuxfb")]
+mod fbdev;
 pub mod interrupt;
+#[cfg(feature = "kms")]
+mod kms;
 pub mod library;
 pub mod local_time;
 pub mod output;
 mod panel;
 mod panics;
 pub mod photo;
+mod probe;
 pub mod progress;
 mod run;
 pub mod scene;
@@ -81,5 +88,11 @@ pub fn execute(args: Args) -> Result<(), Failure> {
         Some(Command::Noise(args)) => noise::noise(&args),
         Some(Command::Mask(args)) => mask::mask(&args),
         Some(Command::Config(args)) => config_command::config(&args),
+        Some(Command::Probe) => {
+            print!("{}", probe::report());
+            Ok(())
+        }
+        #[cfg(any(feature = "kms", feature = "linuxfb"))]
+        Some(Command::RestoreConsole) => Ok(console::restore()?),
     }
 }

@@ -1,6 +1,20 @@
-//! The display that was chosen, and the presses that come with it.
+//! The display that was chosen, and the presses that come with it. This is the one place that chooses.
+//!
+//! `auto` takes a window within a desktop: the desktop holds the panel, and nothing else could draw to it. Without a desktop it
+//! takes the panel itself, by KMS, else by a frame buffer device; a machine that has neither gets a simulated panel. A panel
+//! that is not there yet, with a card or a device that could show on it, is waited for.
 
-use super::{Failure, args::DisplayChoice, usage};
+#[cfg(any(feature = "kms", feature = "linuxfb"))]
+use super::console::OnConsole;
+#[cfg(feature = "linuxfb")]
+use super::fbdev::Fbdev;
+#[cfg(feature = "kms")]
+use super::kms::Kms;
+use super::{
+    Failure,
+    args::{DisplayChoice, KmsChoice},
+    usage,
+};
 use crate::{
     display::{
         BackBuffer, Display, DisplayError, Mode,
@@ -9,12 +23,20 @@ use crate::{
     frame::{Layout, PixelFormat, Size},
     input::{Buttons, Press, key_map::KeyMap},
 };
-use std::time::{Duration, Instant};
+use std::{
+    path::Path,
+    thread::sleep,
+    time::{Duration, Instant},
+};
 
 /// Somewhere to show frames.
 pub(super) enum Panel {
     #[cfg(feature = "window")]
     Window(Box<super::window::Window>),
+    #[cfg(feature = "kms")]
+    Kms(Box<OnConsole<Kms>>),
+    #[cfg(feature = "linuxfb")]
+    Fbdev(Box<OnConsole<Fbdev>>),
     Sim(Box<Simulated>),
 }
 
@@ -25,18 +47,96 @@ pub(super) struct Simulated {
     cpu_at_start: Duration,
 }
 
+/// What may become of a panel that cannot be shown on now.
+#[cfg_attr(not(feature = "kms"), expect(dead_code, reason = "only KMS knows panels and holders"))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Prospect {
+    /// There is no device for it, or its driver is not loaded yet.
+    NoDevice,
+    /// There is a device, and no panel plugged in.
+    NoPanel,
+    /// Another program holds it.
+    Held,
+    /// It stays as it is.
+    None,
+}
+
+/// Why a panel cannot be shown on now.
+struct Unavailable {
+    why: Failure,
+    prospect: Prospect,
+}
+
+/// How often a panel that is waited for is looked for.
+const LOOK_EVERY: Duration = Duration::from_secs(1);
+
 impl Panel {
-    /// Opens the display that was chosen, and says which it is and why.
-    pub(super) fn open(choice: DisplayChoice, frames_per_second: u32) -> Result<Self, Failure> {
+    /// Opens the display that was chosen, waiting for a panel that is not there yet, and says which it is and why.
+    pub(super) fn open(choice: &DisplayChoice, frames_per_second: u32) -> Result<Self, Failure> {
         match choice {
-            DisplayChoice::Sim(sim::Spec(layout)) => Self::simulate(layout, frames_per_second),
+            DisplayChoice::Sim(sim::Spec(layout)) => Self::simulate(*layout, frames_per_second),
             DisplayChoice::Window => Self::open_window(),
-            DisplayChoice::Auto => Self::open_window().or_else(|why| {
-                let layout = Layout::new(Size::new(1024, 600), PixelFormat::Xrgb8888, None)?;
-                log::warn!("showing on a simulated panel of {}: {why}", layout.size);
-                Self::simulate(layout, frames_per_second)
-            }),
+            DisplayChoice::Kms(choice) => {
+                wait(|| Self::open_kms(choice), &[Prospect::NoDevice, Prospect::NoPanel])
+                    .map_err(|unavailable| unavailable.why)
+            }
+            DisplayChoice::Fbdev(device) => {
+                wait(|| Self::open_fbdev(device.as_deref()), &[Prospect::NoDevice])
+                    .map_err(|unavailable| unavailable.why)
+            }
+            DisplayChoice::Auto => Self::open_any(frames_per_second),
         }
+    }
+
+    fn open_any(frames_per_second: u32) -> Result<Self, Failure> {
+        let no_window = match Self::open_window() {
+            Ok(panel) => return Ok(panel),
+            Err(why) => why,
+        };
+        log::info!("no window: {no_window}");
+        let no_kms = match wait(|| Self::open_kms(&KmsChoice::default()), &[Prospect::NoPanel]) {
+            Ok(panel) => return Ok(panel),
+            // What somebody else shows would be painted over at once, by whatever way.
+            Err(Unavailable { why, prospect: Prospect::Held }) => return Err(why),
+            Err(Unavailable { why, .. }) => why,
+        };
+        log::info!("no kms: {no_kms}");
+        let no_fbdev = match Self::open_fbdev(None) {
+            Ok(panel) => return Ok(panel),
+            Err(Unavailable { why, .. }) => why,
+        };
+        let layout = Layout::new(Size::new(1024, 600), PixelFormat::Xrgb8888, None)?;
+        log::info!("no fbdev: {no_fbdev}");
+        log::warn!("nobody can see it: showing on a simulated panel of {}", layout.size);
+        Self::simulate(layout, frames_per_second)
+    }
+
+    #[cfg(feature = "kms")]
+    fn open_kms(choice: &KmsChoice) -> Result<Self, Unavailable> {
+        let kms = Kms::open(choice);
+        let kms = kms.map_err(|error| Unavailable { prospect: error.prospect(), why: error.into() })?;
+        Ok(Self::Kms(Box::new(OnConsole::new(kms))))
+    }
+
+    #[cfg(not(feature = "kms"))]
+    fn open_kms(_: &KmsChoice) -> Result<Self, Unavailable> {
+        let why = Failure::new("this program was built without KMS; build it with the feature `kms`");
+        Err(Unavailable { why, prospect: Prospect::None })
+    }
+
+    #[cfg(feature = "linuxfb")]
+    fn open_fbdev(device: Option<&Path>) -> Result<Self, Unavailable> {
+        let fbdev = Fbdev::open(device);
+        let fbdev = fbdev.map_err(|error| Unavailable { prospect: error.prospect(), why: error.into() })?;
+        Ok(Self::Fbdev(Box::new(OnConsole::new(fbdev))))
+    }
+
+    #[cfg(not(feature = "linuxfb"))]
+    fn open_fbdev(_: Option<&Path>) -> Result<Self, Unavailable> {
+        let why = Failure::new(
+            "this program was built without frame buffer devices; build it with the feature `linuxfb`",
+        );
+        Err(Unavailable { why, prospect: Prospect::None })
     }
 
     #[cfg(feature = "window")]
@@ -57,9 +157,23 @@ impl Panel {
         Ok(Self::Sim(Box::new(Simulated { sim, start: Instant::now(), cpu_at_start: usage::cpu_time() })))
     }
 
+    /// Whether it is a panel without a desktop, which the program has for itself: with its keyboards and its light.
+    pub(super) const fn is_bare(&self) -> bool {
+        match self {
+            #[cfg(feature = "window")]
+            Self::Window(_) => false,
+            Self::Sim(_) => false,
+            #[cfg(any(feature = "kms", feature = "linuxfb"))]
+            _ => true,
+        }
+    }
+
     /// What a simulated panel has seen, as a line for people.
     pub(super) fn report(&self) -> Option<String> {
-        #[cfg_attr(not(feature = "window"), expect(irrefutable_let_patterns, reason = "the only display"))]
+        #[cfg_attr(
+            not(any(feature = "window", feature = "kms", feature = "linuxfb")),
+            expect(irrefutable_let_patterns, reason = "the only display")
+        )]
         let Self::Sim(simulated) = self else { return None };
         let log = simulated.sim.log();
         let millihertz = log.mean_millihertz();
@@ -82,6 +196,10 @@ impl Display for Panel {
         match self {
             #[cfg(feature = "window")]
             Self::Window(window) => window.mode(),
+            #[cfg(feature = "kms")]
+            Self::Kms(kms) => kms.mode(),
+            #[cfg(feature = "linuxfb")]
+            Self::Fbdev(fbdev) => fbdev.mode(),
             Self::Sim(simulated) => simulated.sim.mode(),
         }
     }
@@ -90,6 +208,10 @@ impl Display for Panel {
         match self {
             #[cfg(feature = "window")]
             Self::Window(window) => window.back_buffer(),
+            #[cfg(feature = "kms")]
+            Self::Kms(kms) => kms.back_buffer(),
+            #[cfg(feature = "linuxfb")]
+            Self::Fbdev(fbdev) => fbdev.back_buffer(),
             Self::Sim(simulated) => simulated.sim.back_buffer(),
         }
     }
@@ -98,32 +220,63 @@ impl Display for Panel {
         match self {
             #[cfg(feature = "window")]
             Self::Window(window) => window.present(),
+            #[cfg(feature = "kms")]
+            Self::Kms(kms) => kms.present(),
+            #[cfg(feature = "linuxfb")]
+            Self::Fbdev(fbdev) => fbdev.present(),
             Self::Sim(simulated) => {
                 simulated.sim.set_now(simulated.start.elapsed().as_micros() as u64);
                 simulated.sim.present()
             }
         }
     }
+
+    fn set_power(&mut self, on: bool) -> Result<bool, DisplayError> {
+        match self {
+            #[cfg(feature = "window")]
+            Self::Window(window) => window.set_power(on),
+            #[cfg(feature = "kms")]
+            Self::Kms(kms) => kms.set_power(on),
+            #[cfg(feature = "linuxfb")]
+            Self::Fbdev(fbdev) => fbdev.set_power(on),
+            Self::Sim(simulated) => simulated.sim.set_power(on),
+        }
+    }
+}
+
+/// Opens a panel, waiting as long as what keeps it away is one of `passing`.
+fn wait(open: impl Fn() -> Result<Panel, Unavailable>, passing: &[Prospect]) -> Result<Panel, Unavailable> {
+    let mut told = false;
+    loop {
+        match open() {
+            Err(Unavailable { why, prospect }) if passing.contains(&prospect) => {
+                if !told {
+                    log::warn!("{why}; waiting for it");
+                }
+                told = true;
+                sleep(LOOK_EVERY);
+            }
+            outcome => return outcome,
+        }
+    }
 }
 
 impl Buttons for Panel {
-    #[cfg_attr(
-        not(feature = "window"),
-        expect(unused_variables, reason = "a simulated panel has no buttons")
-    )]
+    #[cfg_attr(not(feature = "window"), expect(unused_variables, reason = "only a window has buttons"))]
     fn next_press(&mut self, frame: u64) -> Option<Press> {
         match self {
             #[cfg(feature = "window")]
             Self::Window(window) => window.next_press(frame),
-            Self::Sim(_) => None,
+            _ => None,
         }
     }
 
+    #[cfg_attr(not(feature = "window"), expect(unused_variables, reason = "only a window has buttons"))]
     fn set_keys(&mut self, keys: KeyMap) {
         match self {
             #[cfg(feature = "window")]
             Self::Window(window) => window.set_keys(keys),
-            Self::Sim(_) => {}
+            _ => {}
         }
     }
 }

@@ -40,7 +40,7 @@ pub(super) fn demo() -> Result<(), Failure> {
     let Some(args::Command::Run(args)) = args.command else { unreachable!("`run` was asked for") };
     let mut config = Config::default();
     config.apply_args(&args);
-    match Panel::open(config.display, config.frames_per_second) {
+    match Panel::open(&config.display, config.frames_per_second) {
         Ok(panel) => show(&config, &args, &[Source::Demo], panel),
         Err(why) => {
             log::info!("{why}");
@@ -57,7 +57,7 @@ pub(super) fn run(args: &args::Run) -> Result<(), Failure> {
     if config.photos.is_empty() {
         sources.push(Source::Demo);
     }
-    show(&config, args, &sources, Panel::open(config.display, config.frames_per_second)?)
+    show(&config, args, &sources, Panel::open(&config.display, config.frames_per_second)?)
 }
 
 /// How long to wait before a display that is gone is asked again.
