@@ -85,7 +85,11 @@ impl Backlight {
         all
     }
 
-    fn open(folder: PathBuf) -> io::Result<Self> {
+    /// The backlight in `folder`, one of those in [`CLASS`].
+    ///
+    /// # Errors
+    /// If there is none.
+    pub fn open(folder: PathBuf) -> io::Result<Self> {
         let word = |name| fs::read_to_string(folder.join(name)).unwrap_or_default();
         let driver = match word("type").trim() {
             "firmware" => Driver::Firmware,
