@@ -2,7 +2,7 @@
 //!
 //! Writing needs the right to: the shipped udev rule gives it to the group `video`.
 
-use crate::app::night::Level;
+use crate::{app::night::light, config::night::Level};
 use std::{
     fmt, fs, io,
     path::{Path, PathBuf},
@@ -85,7 +85,11 @@ impl Backlight {
         all
     }
 
-    fn open(folder: PathBuf) -> io::Result<Self> {
+    /// The backlight in `folder`, one of those in [`CLASS`].
+    ///
+    /// # Errors
+    /// If there is none.
+    pub fn open(folder: PathBuf) -> io::Result<Self> {
         let word = |name| fs::read_to_string(folder.join(name)).unwrap_or_default();
         let driver = match word("type").trim() {
             "firmware" => Driver::Firmware,
@@ -132,7 +136,7 @@ impl Backlight {
         let brightness = match level {
             Level::Off => 0,
             Level::Percent(percent) if self.even => (max * u64::from(percent.min(100)) + 50) / 100,
-            Level::Percent(_) => (max * u64::from(level.light()) + 32_768) >> 16,
+            Level::Percent(_) => (max * u64::from(light(level)) + 32_768) >> 16,
         };
         let brightness = (brightness as u32).max(u32::from(level != Level::Off));
         let power = if level == Level::Off { POWER_DOWN } else { POWER_ON };
@@ -179,7 +183,7 @@ fn number(path: &Path) -> io::Result<u32> {
 mod tests {
     use super::*;
 
-    fn light(class: &Path, name: &str, files: &[(&str, &str)]) -> PathBuf {
+    fn device(class: &Path, name: &str, files: &[(&str, &str)]) -> PathBuf {
         let folder = class.join(name);
         fs::create_dir(&folder).unwrap();
         for (file, text) in files {
@@ -197,12 +201,12 @@ mod tests {
         let class = tempfile::tempdir().unwrap();
         let files =
             [("max_brightness", "255\n"), ("brightness", "200\n"), ("bl_power", "0\n"), ("type", "raw\n")];
-        let folder = light(class.path(), "10-0045", &files);
+        let folder = device(class.path(), "10-0045", &files);
         let now = |file| number(&folder.join(file)).unwrap();
         let mut light = found(class.path(), "10-0045");
         assert_eq!(light.to_string(), "10-0045 (raw, 200 of 255, can be switched off)");
         for (level, brightness, power) in [
-            (Level::FULL, 255, 0),
+            (crate::app::night::FULL, 255, 0),
             (Level::Percent(50), 47, 0),
             (Level::Percent(1), 1, 0),
             (Level::Off, 0, 4),
@@ -218,7 +222,7 @@ mod tests {
     fn a_driver_with_even_steps_gets_no_second_curve() {
         let class = tempfile::tempdir().unwrap();
         let files = [("max_brightness", "10"), ("brightness", "10"), ("scale", "non-linear\n")];
-        let folder = light(class.path(), "a", &files);
+        let folder = device(class.path(), "a", &files);
         found(class.path(), "a").set(Level::Percent(50)).unwrap();
         assert_eq!(number(&folder.join("brightness")).unwrap(), 10, "put back");
         let mut light = found(class.path(), "a");
@@ -229,10 +233,10 @@ mod tests {
     #[test]
     fn firmware_comes_before_the_chip_and_broken_entries_are_passed_over() {
         let class = tempfile::tempdir().unwrap();
-        light(class.path(), "a", &[("max_brightness", "1"), ("brightness", "1"), ("type", "raw")]);
-        light(class.path(), "b", &[("max_brightness", "9"), ("brightness", "1"), ("type", "firmware")]);
-        light(class.path(), "c", &[("max_brightness", "0"), ("brightness", "0")]);
-        light(class.path(), "d", &[("brightness", "3")]);
+        device(class.path(), "a", &[("max_brightness", "1"), ("brightness", "1"), ("type", "raw")]);
+        device(class.path(), "b", &[("max_brightness", "9"), ("brightness", "1"), ("type", "firmware")]);
+        device(class.path(), "c", &[("max_brightness", "0"), ("brightness", "0")]);
+        device(class.path(), "d", &[("brightness", "3")]);
         let names: Vec<_> = Backlight::list(class.path()).iter().map(Backlight::name).collect();
         assert_eq!(names, ["b", "a"]);
         assert!(!found(class.path(), "a").has_levels());

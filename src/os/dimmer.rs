@@ -2,8 +2,8 @@
 
 use super::{Failure, backlight::Backlight, config::Config, local_time::LocalTime};
 use crate::{
-    app::night::{Edge, Level, Minute, Night, Schedule},
-    config::night::{self, Zone},
+    app::night::{FULL, Night},
+    config::night::Level,
     display::Display,
     math::Factor,
 };
@@ -33,22 +33,17 @@ impl Dimmer {
     /// # Errors
     /// A time zone that the system does not know.
     pub(super) fn new(config: &Config, bare: bool) -> Result<Self, Failure> {
-        let zone = match &config.night.zone {
-            Zone::Local => None,
-            Zone::Named(name) => Some(name.as_str()),
-        };
-        let schedule = Schedule::new(config.night.edges().iter().filter_map(edge))?;
         let named = |light: &Backlight| {
             config.backlight.as_ref().is_none_or(|path| path.ends_with(light.name()) && light.is_writable())
         };
         let lights = Backlight::list(Path::new(CLASS)).into_iter();
         let backlight = lights.filter(|light| light.has_levels() && light.is_writable()).find(named);
         Ok(Self {
-            night: Night::new(schedule),
-            clock: LocalTime::new(zone, Default::default())?,
+            night: Night::new(config.night.clone()),
+            clock: LocalTime::new(&config.night.zone, Default::default())?,
             look_due: Duration::ZERO,
             backlight: backlight.filter(|_| bare),
-            level: Level::FULL,
+            level: FULL,
             shown: false,
         })
     }
@@ -98,15 +93,6 @@ impl Dimmer {
     pub(super) const fn sleep(&mut self) {
         self.night.overrule(Level::Off);
     }
-}
-
-fn edge(edge: &night::Edge) -> Option<Edge> {
-    let at = Minute::new(edge.minute / 60, edge.minute % 60)?;
-    let level = match edge.level {
-        night::Level::Off => Level::Off,
-        night::Level::Percent(percent) => Level::Percent(percent),
-    };
-    Some(Edge { at, level })
 }
 
 /// A percentage of the coded levels: they are about even to the eye, as percents of lightness are.

@@ -6,7 +6,7 @@
 //! without a network the kernel takes its word back after some hours, and the clock goes on well enough. A board
 //! with a battery clock and no network says so by [`Trust::AsItIs`].
 
-use crate::app::night::Minute;
+use crate::config::night::Zone;
 use jiff::{Timestamp, civil::DateTime, tz::TimeZone};
 use rustix::fs::Access;
 use std::fmt;
@@ -56,35 +56,35 @@ impl std::error::Error for UnknownZone {
 }
 
 impl LocalTime {
-    /// The time in `zone`, by name ("Europe/Berlin") or by rule ("CET-1CEST,M3.5.0,M10.5.0/3", POSIX.1-2017, 8.3); without one,
-    /// in that of the system (`$TZ`, `/etc/localtime`), or, where that is not to be found, in UTC, which is told once.
+    /// The time in `zone`, by name ("Europe/Berlin") or by rule ("CET-1CEST,M3.5.0,M10.5.0/3", POSIX.1-2017, 8.3). The
+    /// system's is that of `$TZ` or `/etc/localtime`; where there is none, it is UTC, which is told once.
     ///
     /// # Errors
     /// If there is no such zone.
-    pub fn new(zone: Option<&str>, trust: Trust) -> Result<Self, UnknownZone> {
+    pub fn new(zone: &Zone, trust: Trust) -> Result<Self, UnknownZone> {
         let zone = match zone {
-            Some(name) => TimeZone::get(name)
+            Zone::Named(name) => TimeZone::get(name)
                 .or_else(|error| TimeZone::posix(name).map_err(|_| error))
-                .map_err(|source| UnknownZone { name: name.to_owned(), source })?,
-            None => TimeZone::try_system().unwrap_or_else(|error| {
-                log::warn!("the time zone of this system is unknown ({error}): using UTC; set timezone");
+                .map_err(|source| UnknownZone { name: name.as_str().to_owned(), source })?,
+            Zone::Local => TimeZone::try_system().unwrap_or_else(|error| {
+                log::warn!("the time zone of this system is unknown ({error}): using UTC; name the zone in the configuration");
                 TimeZone::UTC
             }),
         };
         Ok(Self { zone, set: trust == Trust::AsItIs })
     }
 
-    /// The minute of the day now; `None` while the clock is not known to be set. Costs a microsecond.
-    pub fn now(&mut self) -> Option<Minute> {
+    /// The minute of the local day now, 0..1440; `None` while the clock is not known to be set. Costs three system calls at the most.
+    pub fn now(&mut self) -> Option<u16> {
         self.set = self.set || is_synchronised();
         self.minute_at(Timestamp::now()).filter(|_| self.set)
     }
 
     /// The minute of the day at `time`; `None` before 2024.
-    pub fn minute_at(&self, time: Timestamp) -> Option<Minute> {
+    pub fn minute_at(&self, time: Timestamp) -> Option<u16> {
         let local: DateTime = self.zone.to_datetime(time);
-        let minute = || Minute::new(local.hour().try_into().ok()?, local.minute().try_into().ok()?);
-        (local.year() >= FIRST_YEAR).then(minute).flatten()
+        let minute = u16::try_from(i32::from(local.hour()) * 60 + i32::from(local.minute())).ok();
+        minute.filter(|_| local.year() >= FIRST_YEAR)
     }
 }
 

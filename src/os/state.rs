@@ -14,7 +14,8 @@
 //! Where nothing can be written (a read-only or full disk) the show goes on from memory, which is told once.
 
 use crate::{
-    app::playlist::{Order, PhotoId, Snapshot},
+    app::playlist::{PhotoId, Snapshot},
+    config::Order,
     noise::Kind,
 };
 use sha2::{Digest, Sha256};

@@ -7,7 +7,8 @@ use std::{
     time::{Duration, Instant},
 };
 use yurameki::{
-    app::playlist::{Order, PhotoId},
+    app::playlist::PhotoId,
+    config::Order,
     os::library::{Library, photo_id},
 };
 

@@ -2,7 +2,10 @@
 
 use proptest::prelude::*;
 use std::{collections::HashSet, time::Duration};
-use yurameki::app::playlist::{Dwell, HISTORY, Order, PhotoId, Playlist, SOON, Slot};
+use yurameki::{
+    app::playlist::{Dwell, HISTORY, PhotoId, Playlist, SOON, Slot},
+    config::Order,
+};
 
 type Photos = Playlist<Vec<Slot>>;
 
@@ -156,7 +159,7 @@ fn a_bad_photo_is_skipped_in_the_direction_of_travel() {
 
 #[test]
 fn skipping_tries_every_photo_within_two_rounds() {
-    for order in Order::ALL {
+    for &(_, order) in Order::NAMES {
         for backwards in [false, true] {
             let mut playlist = playlist(order, 4, &ids(0..10));
             run(&mut playlist, 13);
@@ -225,7 +228,7 @@ fn a_stick_that_is_pulled_out_and_plugged_in_keeps_its_place_in_the_round() {
 
 #[test]
 fn hidden_photos_never_come() {
-    for order in Order::ALL {
+    for &(_, order) in Order::NAMES {
         let mut playlist = Playlist::new(vec![Slot::EMPTY; 20], order, 1);
         assert!(playlist.hide(PhotoId(3)), "before it is known");
         playlist.update(&ids(0..10));
@@ -257,8 +260,17 @@ fn what_there_is_no_room_for_is_counted_and_the_rest_is_shown() {
 }
 
 #[test]
+fn the_whole_capacity_is_shown_once_a_round() {
+    let mut playlist = Playlist::new(vec![Slot::EMPTY; 2_000], Order::Shuffle, 1);
+    // Ids that differ in their high bits only.
+    let photos = ids((0..2_000).map(|i| i << 48));
+    assert_eq!(playlist.update(&photos), 0);
+    assert_eq!(run(&mut playlist, 2_000).into_iter().collect::<HashSet<_>>().len(), 2_000);
+}
+
+#[test]
 fn a_photo_that_is_told_twice_is_shown_once() {
-    for order in Order::ALL {
+    for &(_, order) in Order::NAMES {
         let mut playlist = playlist(order, 1, &ids([1, 2, 1, 3, 2]));
         assert_eq!(playlist.len(), 3);
         assert_eq!(run(&mut playlist, 3).into_iter().collect::<HashSet<_>>().len(), 3);
@@ -267,7 +279,7 @@ fn a_photo_that_is_told_twice_is_shown_once() {
 
 #[test]
 fn a_restart_shows_the_same_photo_and_goes_on_as_if_there_had_been_none() {
-    for order in Order::ALL {
+    for &(_, order) in Order::NAMES {
         for (steps, back) in [(0, 0), (3, 0), (9, 2), (10, 0), (25, 1), (200, 5)] {
             let mut playlist = playlist(order, 6, &ids(0..10));
             run(&mut playlist, steps);
@@ -340,6 +352,9 @@ proptest! {
         };
         let mut playlist = playlist(Order::Shuffle, seed, &listing(&there));
         let mut round = HashSet::from([current(&playlist)]);
+        // Photos that were away at a restart: whether they were shown before may be remembered, or not, so that it is not clear
+        // from outside in which round they are.
+        let mut away = HashSet::new();
         let mut last = playlist.snapshot().place;
         for event in events {
             match event {
@@ -364,8 +379,7 @@ proptest! {
                         prop_assert!(playlist.hide(PhotoId(id)));
                     }
                     playlist.update(&listing(&there));
-                    // Whether a photo that comes later was shown before is not remembered.
-                    round.retain(|id| there.contains(id));
+                    away.extend(round.extract_if(|id| !there.contains(id)));
                 }
             }
             let visible: HashSet<u64> = there.difference(&hidden).copied().collect();
@@ -378,7 +392,8 @@ proptest! {
             if let (Some((_, drawn)), true) = (place, place != last)
                 && !round.insert(drawn.0)
             {
-                prop_assert!(visible.iter().all(|id| round.contains(id)), "{} again, {:?} of {:?}", drawn.0, round, visible);
+                let shown = |id| round.contains(id) || away.contains(id);
+                prop_assert!(visible.iter().all(shown), "{} again, {:?} of {:?}", drawn.0, round, visible);
                 round = HashSet::from([drawn.0]);
             }
             last = place;

@@ -12,7 +12,8 @@ use std::{
     time::Duration,
 };
 use yurameki::{
-    app::playlist::{EARLY, HISTORY, Order, PhotoId, Snapshot},
+    app::playlist::{EARLY, HISTORY, PhotoId, Snapshot},
+    config::Order,
     noise::Kind,
     os::state::{Fault, Memory, State, default_folder},
 };
@@ -30,7 +31,7 @@ fn state(number: u64) -> State {
             early: (0..number % (EARLY as u64 + 1)).map(|i| (id(i), i)).collect(),
         },
         amplitude: Some(Kind::ALL[number as usize % 8]),
-        frequency: (number % 2 == 0).then_some(Kind::Brown),
+        frequency: number.is_multiple_of(2).then_some(Kind::Brown),
     }
 }
 

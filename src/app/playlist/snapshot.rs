@@ -1,4 +1,5 @@
-use super::{HISTORY, History, Order, PhotoId, Playlist, Slot};
+use super::{HISTORY, History, PhotoId, Playlist, Slot};
+use crate::config::Order;
 use core::ops::DerefMut;
 use heapless::Vec;
 

@@ -6,7 +6,7 @@
 //! machines make). What is being copied is taken when it has not changed for two seconds. A folder that is not there is
 //! waited for.
 //!
-//! Memory: about 300 bytes for every photo. Cost of a look: one `stat` for every photo, and, in the order of dates, 256 KiB read of each
+//! Memory: the path of every photo and some words. Cost of a look: one `stat` for every photo, and, in the order of dates, 256 KiB read of each
 //! that is new. The pause between two looks is at least four times as long as a look takes.
 
 mod scan;
@@ -14,7 +14,7 @@ mod taken;
 
 pub use taken::date_taken;
 
-use crate::app::playlist::{Order, PhotoId};
+use crate::{app::playlist::PhotoId, config::Order};
 use notify::{
     RecommendedWatcher, RecursiveMode, Watcher as _,
     event::{AccessKind, AccessMode, EventKind},

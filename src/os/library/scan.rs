@@ -1,10 +1,7 @@
 //! What photos there are, told from what there were.
 
 use super::{photo_id, taken::date_taken};
-use crate::{
-    app::playlist::{Order, PhotoId},
-    os::photo,
-};
+use crate::{app::playlist::PhotoId, config::Order, os::photo};
 use jiff::{Timestamp, tz::TimeZone};
 use std::{
     collections::{HashMap, HashSet},
