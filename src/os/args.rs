@@ -60,8 +60,8 @@ pub struct Run {
     /// The board, by the name or the file of its facts; `yurameki config --boards` lists them.
     #[arg(long, value_name = "NAME|FILE.toml")]
     pub board: Option<String>,
-    /// Where to show them: auto, window, kms[:CARD[:CONNECTOR[:WxH[@HZ]]]], fbdev[:DEVICE] or
-    /// sim:WIDTHxHEIGHT[:FORMAT[:STRIDE_BYTES]].
+    /// Where to show them: auto, window, kms:CARD:CONNECTOR:WxH@HZ, fbdev:DEVICE or sim:WIDTHxHEIGHT:FORMAT:STRIDE_BYTES, of
+    /// which the last parts can be left out.
     ///
     /// auto is a window within a desktop, which holds the panel; without one it is kms, else fbdev, else simulated.
     /// kms:1:HDMI-A-1:1280x720@60 is a mode of a connector of /dev/dri/card1, kms:::1280x720 a mode of the first panel;
@@ -196,7 +196,7 @@ pub struct Look {
     /// The phase: integrated, or literal as the paper prints it.
     #[arg(long, value_name = "FORM", value_parser = phase)]
     pub phase: Option<PhaseForm>,
-    /// How heights start: rising, falling or scattered.
+    /// How heights start in the ranges full and neighbourhood: rising, falling or scattered.
     #[arg(long)]
     pub branch: Option<Branch>,
     /// What moves: a picture (white moves), auto, or none for everything. By default PHOTO.mask.png beside the photo, else auto.
@@ -206,13 +206,13 @@ pub struct Look {
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = light, allow_hyphen_values = true)]
     pub light: Option<Light>,
     /// How steep the relief is, 0 to 4; 1 is usual.
-    #[arg(long, value_name = "K", value_parser = factor)]
+    #[arg(long, value_name = "K", value_parser = factor, allow_hyphen_values = true)]
     pub relief: Option<Factor>,
-    /// How far the light changes the photo, 0 to 4.
-    #[arg(long, value_name = "M", value_parser = factor)]
+    /// How far the light changes the photo, 0 to 4; with a light at 45° up to 2.8, with a lower one less.
+    #[arg(long, value_name = "M", value_parser = factor, allow_hyphen_values = true)]
     pub strength: Option<Factor>,
-    /// Where the wind blows to, degrees clockwise from the top, for the travelling range.
-    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    /// Where the wind blows to, degrees clockwise from the top, -360 to 360, for the travelling range.
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = clap::value_parser!(i16).range(-360..=360))]
     pub wind: Option<i16>,
     /// How a photo of another shape fills the panel: blurred, fill or plain.
     #[arg(long)]

@@ -104,7 +104,8 @@ impl Default for Config {
             photos: Vec::new(),
             order: Order::default(),
             fade: Duration::from_secs(2),
-            seed: 1,
+            // The first seconds of this one are lively: X_A has a mean of 0.57 over five, and never falls below 0.3 in twenty.
+            seed: 7,
             look: Look::default(),
             typed: args::Look::default(),
             actions: KeyMap::default(),

@@ -24,6 +24,7 @@ mod kms;
 pub mod library;
 mod loader;
 pub mod local_time;
+mod once;
 pub mod output;
 mod panel;
 mod panics;

@@ -16,18 +16,28 @@ use crate::{
     frame::Layout,
 };
 use clap::Parser;
+use rustix::process::getuid;
 use std::env;
 
 /// The demo photo, to a file in the folder for temporary files.
 pub(super) fn demo() -> Result<(), Failure> {
-    let out = env::temp_dir().join("yurameki-demo.webp");
+    let out = env::temp_dir().join(format!("yurameki-demo-{}.webp", getuid().as_raw()));
     let out = out.to_string_lossy();
-    let words = ["yurameki", "render", "demo", "--out", &out, "--size", "800x534", "--frames", "60"];
+    let words = ["yurameki", "render", "demo", "--out", &out, "--size", "480x320", "--frames", "60"];
     let Some(args::Command::Render(args)) = args::Args::parse_from(words).command else {
         unreachable!("`render` was asked for")
     };
     film(&args, Source::Demo)?;
     print_line(format_args!("{out}: the demo photo, alive for {} seconds", args.frames / args.fps))
+}
+
+/// What is left of a film that was stopped.
+fn stopped(args: &args::Render) -> &'static str {
+    match args.out {
+        Some(Target::Stdout) => "stopped; the video on standard output ends early",
+        Some(Target::File { .. } | Target::Folder(_)) => "stopped; nothing was written",
+        None => "stopped",
+    }
 }
 
 pub(super) fn render(args: &args::Render) -> Result<(), Failure> {
@@ -52,7 +62,7 @@ fn film(args: &args::Render, source: Source<'_>) -> Result<(), Failure> {
     let progress = Progress::new(args.frames, args.quiet);
     for _ in 0..args.frames {
         if interrupt.requested() {
-            return Err(Failure::new("stopped; nothing was written"));
+            return Err(Failure::new(stopped(args)));
         }
         show.turn(&mut shimmer, scene.name(), &mut panel)?;
         let Some(frame) = panel.shown() else { unreachable!("a frame was just presented") };

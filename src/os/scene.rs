@@ -4,6 +4,7 @@ use super::{
     Failure,
     args::MaskChoice,
     config::{Config, Look},
+    once::once,
     photo,
 };
 use crate::{
@@ -15,6 +16,7 @@ use crate::{
     frame::{Rotation, Size, rotate},
     math::Turns,
 };
+use log::Level;
 use std::path::Path;
 
 /// Which photo.
@@ -105,14 +107,47 @@ fn choose_mask(
         Source::File(path) => Some(photo::mask_path(path)).filter(|path| path.exists()),
         Source::Demo => None,
     };
-    match (&look.mask, beside) {
-        (Some(MaskChoice::Everything), _) => Ok(everything(photo)),
-        (Some(MaskChoice::File(path)), _) => Ok(photo::load_mask(path, photo, limits)?),
-        (None, Some(path)) => {
-            log::info!("{}: moves as {} says", photo.name, path.display());
-            Ok(photo::load_mask(&path, photo, limits)?)
+    let mut mask = match (&look.mask, beside) {
+        (Some(MaskChoice::Everything), _) => everything(photo),
+        (Some(MaskChoice::File(path)), _) => photo::load_mask(path, photo, limits)?,
+        (None, Some(path)) => match photo::load_mask(&path, photo, limits) {
+            Ok(mask) => {
+                once(Level::Info, format!("{}: moves as {} says", photo.name, path.display()));
+                mask
+            }
+            // A picture that happens to have such a name, or that was damaged, takes no photo out of the show.
+            Err(error) => {
+                once(Level::Warn, format!("{}: {error}; the automatic mask takes its place", photo.name));
+                automatic(photo)
+            }
+        },
+        (None | Some(MaskChoice::Automatic), _) => automatic(photo),
+    };
+    feather(&mut mask, photo);
+    Ok(mask)
+}
+
+/// How far from a border around the photo its motion fades out, in parts of its shorter side: the relief is found over the whole panel, and
+/// would run along the seam.
+const SEAM: u32 = 40;
+
+/// Fades the mask out where the photo ends before the panel does.
+fn feather(mask: &mut [u8], photo: &photo::Photo) {
+    let (rect, panel) = (photo.picture, photo.size);
+    let seam = (rect.size.width.min(rect.size.height) / SEAM).max(1);
+    // Pixels to the nearer of the two ends that are seams.
+    let distance = |at: u32, start: u32, length: u32, whole: u32| {
+        let left = if start > 0 { at } else { seam };
+        let right = if start + length < whole { length - 1 - at } else { seam };
+        left.min(right).min(seam)
+    };
+    for y in 0..rect.size.height {
+        let down = distance(y, rect.y, rect.size.height, panel.height);
+        for x in 0..rect.size.width {
+            let share = down.min(distance(x, rect.x, rect.size.width, panel.width));
+            let i = ((rect.y + y) * panel.width + rect.x + x) as usize;
+            mask[i] = (u32::from(mask[i]) * share / seam) as u8;
         }
-        (None | Some(MaskChoice::Automatic), _) => Ok(automatic(photo)),
     }
 }
 
@@ -133,7 +168,8 @@ pub(super) fn automatic(photo: &photo::Photo) -> Vec<u8> {
     let mut part = vec![0; size.pixels()];
     automatic_mask(&picture, size, &mut vec![0; scratch_len(size)], &mut part);
     if moving_per_mille(&part) < HARDLY_ANYTHING_PER_MILLE {
-        log::info!("{}: hardly anything in it seems to move; a mask beside it can say what does", photo.name);
+        let line = "hardly anything in it seems to move; a mask beside it can say what does";
+        once(Level::Info, format!("{}: {line}", photo.name));
     }
     let mut mask = vec![0; photo.size.pixels()];
     paste(&mut mask, photo, &part);

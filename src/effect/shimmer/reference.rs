@@ -1,6 +1,6 @@
 //! The slow twin of the shimmer: float64, written from the equations, and the tests that hold the fixed-point one to it.
 
-use super::{Branch, LUMA_FOR_45_DEGREES, Range, Settings};
+use super::{Branch, Range, Settings};
 use crate::{effect::Photo, math::Turns};
 
 /// A plane of float64.
@@ -133,7 +133,8 @@ pub(super) struct Twin {
 impl Twin {
     pub(super) fn prepare(photo: Photo<'_>, settings: &Settings) -> Self {
         let scale = (f64::from(photo.size.width.min(photo.size.height)) / 480.0).max(1.0);
-        let steepness = settings.relief.to_num::<f64>() * scale / f64::from(LUMA_FOR_45_DEGREES);
+        let steepness =
+            settings.relief.to_num::<f64>() * scale / f64::from(settings.range.luma_for_45_degrees());
         let steepest = 3_f64.sqrt();
         let heights = heights(photo, settings);
         let slopes = (0..photo.size.pixels()).map(|i| {

@@ -1,6 +1,6 @@
 //! From heights to slopes: what the light sees.
 
-use super::{LUMA_FOR_45_DEGREES, Range, Settings, shade, storage::Planes};
+use super::{Range, Settings, shade, storage::Planes};
 use crate::{frame::Size, math::Turns};
 
 /// Fractional bits of [`scale`].
@@ -42,10 +42,10 @@ struct Axes {
 
 impl Axes {
     fn new(settings: &Settings, size: Size) -> Self {
-        // relief · scale / LUMA_FOR_45_DEGREES, at most 1/2 so that products stay within 32 bits.
+        // relief · scale / luma_for_45_degrees, at most 1/2 so that products stay within 32 bits.
         let steepness =
             (settings.relief.to_bits().max(0) as i64 * i64::from(scale(size))) >> (28 + SCALE_BITS - 15);
-        let steepness = (steepness / i64::from(LUMA_FOR_45_DEGREES)).min(1 << 14);
+        let steepness = (steepness / i64::from(settings.range.luma_for_45_degrees())).min(1 << 14);
         let axis = |direction: Turns| {
             [direction.sin(), -direction.cos()].map(|c| ((i64::from(c.to_bits()) * steepness) >> 28) as i32)
         };

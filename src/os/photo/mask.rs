@@ -1,6 +1,7 @@
 //! The mask beside a photo: what moves and what stays.
 
 use super::{
+    super::once::once,
     Photo, PhotoError,
     decode::{self, Decoded},
     file,
@@ -53,7 +54,8 @@ pub fn mask_from_bytes(
     let mask = decode::decode(bytes, limits).map_err(|fault| PhotoError::new(name, fault))?;
     let (size, source_size) = (mask.oriented_size(), photo.source_size);
     if size != source_size {
-        log::info!("{name}: a mask of {size} pixels is stretched over a photo of {source_size}");
+        let line = format!("{name}: a mask of {size} pixels is stretched over a photo of {source_size}");
+        once(log::Level::Info, line);
     }
     Ok(spread(&mask, photo))
 }
