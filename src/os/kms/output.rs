@@ -267,9 +267,11 @@ fn choose_crtc(card: &Card, connector: &connector::Info) -> io::Result<crtc::Han
     Err(io::Error::new(io::ErrorKind::NotFound, format!("none can feed {connector}")))
 }
 
-/// The mode that was asked for, where the panel has it, else the one that the panel prefers.
+/// The mode that was asked for, where the panel has it, else that of the kernel's command line (`video=`), else the one that
+/// the panel prefers.
 fn choose_timing(modes: &[control::Mode], choice: &KmsChoice, name: &str) -> control::Mode {
-    let preferred = modes.iter().find(|mode| mode.mode_type().contains(ModeTypeFlags::PREFERRED));
+    let of_type = |wanted| modes.iter().find(|mode| mode.mode_type().contains(wanted));
+    let preferred = of_type(ModeTypeFlags::USERDEF).or_else(|| of_type(ModeTypeFlags::PREFERRED));
     let preferred = *preferred.unwrap_or(&modes[0]);
     let Some(size) = choice.size else { return preferred };
     let fits = |mode: &&control::Mode| {
