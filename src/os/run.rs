@@ -95,8 +95,6 @@ struct Running {
     dwell: Dwell,
     /// The photos were named on the command line.
     typed: bool,
-    /// Why a photo could not be shown, for when it is the only one.
-    failure: Option<Failure>,
 }
 
 impl Running {
@@ -134,7 +132,6 @@ impl Running {
             next: None,
             dwell: Dwell::new(None),
             typed,
-            failure: None,
         })
     }
 
@@ -202,9 +199,10 @@ impl Running {
         match self.loader.take() {
             Some((_, Ok(living))) if living.size == size => self.next = Some(living),
             Some((_, Ok(living))) => self.loader.recycle(living),
+            // The only photo that somebody has asked for.
+            Some((_, Err(failure))) if self.typed && !self.album.goes_on() => return Err(failure),
             Some((id, Err(failure))) => {
                 self.album.fails(id, &failure);
-                self.failure = Some(failure);
             }
             None => {}
         }
@@ -255,14 +253,11 @@ impl Running {
     }
 
     /// No photo can be shown. A frame waits for better ones; a program that was told which to show says so.
-    fn give_up(&mut self) -> Result<(), Failure> {
+    fn give_up(&self) -> Result<(), Failure> {
         if !self.typed || self.current.is_some() || self.loader.is_busy() {
             return Ok(());
         }
-        match self.failure.take() {
-            Some(failure) if !self.album.goes_on() => Err(failure),
-            _ => Err(Failure::new("none of the photos can be shown")),
-        }
+        Err(Failure::new("none of the photos can be shown"))
     }
 
     /// Takes all presses in, and tells whether the show is to end.
