@@ -8,7 +8,9 @@ use std::{
 };
 
 /// What each layer may use: another layer, or one module of it.
-const ARROWS: [(&str, &[&str]); 8] = [
+const ARROWS: [(&str, &[&str]); 9] = [
+    // A macro for enums with names, which every layer may use.
+    ("named", &[]),
     ("math", &[]),
     ("noise", &["math"]),
     ("frame", &["math"]),
