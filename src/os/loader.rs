@@ -42,7 +42,7 @@ struct Order {
 }
 
 /// What has become of an order.
-pub(super) type Outcome = (PhotoId, Result<Box<Living>, Failure>);
+pub(super) type Outcome = (PhotoId, Result<Living, Failure>);
 
 /// The thread, and the one photo that it may be at.
 pub(super) struct Loader {
@@ -101,7 +101,7 @@ impl Loader {
     }
 
     /// Takes the memory of a photo that is no longer shown.
-    pub(super) fn recycle(&mut self, living: Box<Living>) {
+    pub(super) fn recycle(&mut self, living: Living) {
         // One is loaded while one is shown: more is never needed.
         if self.spare.is_empty() {
             self.spare.push(living.shimmer.into_storage());
@@ -109,18 +109,18 @@ impl Loader {
     }
 }
 
-fn load(order: Order, config: &Config) -> Result<Box<Living>, Failure> {
+fn load(order: Order, config: &Config) -> Result<Living, Failure> {
     let Order { id, path, size, mut storage } = order;
     let source = path.as_deref().map_or(Source::Demo, Source::File);
     let scene = Scene::load(source, size, config)?;
     let life = scene::turned(scene.look().life.at(config.frames_per_second), config.rotation);
     storage.resize(storage_len(size), 0);
-    Ok(Box::new(Living {
+    Ok(Living {
         id,
         name: scene.name().to_owned(),
         size,
         shimmer: Shimmer::prepare(scene.photo(), &life.shimmer, storage)?,
         drive: life.drive,
         seconds: scene.look().seconds,
-    }))
+    })
 }

@@ -89,9 +89,9 @@ struct Running {
     interrupt: Interrupt,
     /// End after so many frames.
     frames: Option<u64>,
-    current: Option<Box<Living>>,
-    leaving: Option<Box<Living>>,
-    next: Option<Box<Living>>,
+    current: Option<Living>,
+    leaving: Option<Living>,
+    next: Option<Living>,
     dwell: Dwell,
     /// The photos were named on the command line.
     typed: bool,
@@ -230,7 +230,7 @@ impl Running {
     }
 
     /// Shows a photo from now on.
-    fn enter(&mut self, next: Box<Living>) {
+    fn enter(&mut self, next: Living) {
         self.album.succeeds();
         self.show.choose_noises(next.drive.amplitude, next.drive.frequency);
         self.dwell = Dwell::new(Some(Duration::from_secs(next.seconds.into())));
