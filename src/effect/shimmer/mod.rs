@@ -122,7 +122,7 @@ impl Default for Settings {
             branch: Branch::default(),
             light: Light { azimuth: Turns::from_degrees(315), elevation: Turns::from_degrees(45) },
             relief: Factor::ONE,
-            strength: Factor::from_bits(5 << 26), // 1.25
+            strength: Factor::ONE,
             wind: Turns::from_degrees(90),
         }
     }
