@@ -55,7 +55,10 @@ class Frame:
 
     def end(self, signal):
         self.guest.shell("kill -%s $(pidof yurameki)" % signal)
-        self._wait("the program ends after SIG" + signal, 15, lambda: self.guest.shell("pidof yurameki")[0])
+        self.has_ended()
+
+    def has_ended(self):
+        self._wait("the program's end", 15, lambda: self.guest.shell("pidof yurameki")[0])
 
     def said(self):
         return self.guest.shell("cat /tmp/out 2>/dev/null")[1]
@@ -169,7 +172,7 @@ def buttons(case):
         frame.differs(still)
         frame.shows(still)
         frame.guest.press("esc")
-        frame._wait("ESC ends the program", 15, lambda: frame.guest.shell("pidof yurameki")[0])
+        frame.has_ended()
         frame.console_is(TEXT)
 
 
