@@ -70,13 +70,15 @@ class Frame:
         return program.rendered(photo, size or self.size, self.pixel_format, frame)
 
     def shows(self, picture, timeout=25, head=0):
-        """Drivers bring a drawn page to the screen up to 50 ms later, and emulation is slow: look until it is there."""
-        seen = None
+        """Drivers bring a drawn page to the screen up to 50 ms later, and emulation is slow: look until it is there, and stays
+        there for more than a frame (83 ms)."""
+        seen, times = None, 0
 
         def look():
-            nonlocal seen
+            nonlocal seen, times
             seen = self.guest.screen(head)
-            return seen == picture
+            times = times + 1 if seen == picture else 0
+            return times == 8
         try:
             self._wait("the picture", timeout, look)
         except Failed:
