@@ -1,0 +1,52 @@
+"""The program under test: a static binary, and what its own `render` says the panel must show."""
+import functools
+import os
+import shutil
+import subprocess
+import tempfile
+
+from picture import Picture
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+WORK = os.path.join(ROOT, "target", "vm")
+TARGET = "x86_64-unknown-linux-musl"
+BINARY = os.path.join(WORK, "build", TARGET, "release", "yurameki")
+PHOTO, OTHER_PHOTO = (os.path.join(ROOT, "tests", "data", name) for name in ("demo.jpg", "drawn.jpg"))
+
+
+class Missing(Exception):
+    """What the tests need and is not here, with its cure."""
+
+
+def _has_target():
+    found = subprocess.run(["rustc", "--print", "target-libdir", "--target", TARGET], cwd=ROOT, capture_output=True, text=True)
+    return found.returncode == 0 and os.path.isdir(found.stdout.strip())
+
+
+def build():
+    """Builds it with musl, which has no shared library to miss in the guest; without the slow link-time optimisation."""
+    if not shutil.which("cargo"):
+        raise Missing("cargo is missing; install Rust")
+    if not _has_target():
+        if shutil.which("rustup"):
+            subprocess.run(["rustup", "target", "add", TARGET], cwd=ROOT)
+        if not _has_target():
+            raise Missing("the Rust target %s is missing and rustup could not add it; `rustup target add %s`" % (TARGET, TARGET))
+    settings = {"CARGO_TARGET_DIR": os.path.join(WORK, "build"), "CARGO_PROFILE_RELEASE_LTO": "off",
+                "CARGO_PROFILE_RELEASE_CODEGEN_UNITS": "16"}
+    command = ["cargo", "build", "--locked", "--quiet", "--release", "--target", TARGET, "--no-default-features",
+               "--features", "kms,linuxfb", "--bin", "yurameki"]
+    if subprocess.run(command, cwd=ROOT, env={**os.environ, **settings}).returncode:
+        raise Missing("the static program does not build (linuxfb needs libclang: `apt-get install libclang-dev`)")
+
+
+@functools.lru_cache(maxsize=None)
+def rendered(photo, size, pixel_format, frame):
+    """Frame `frame`, from 0, of `yurameki render` on a panel of that size and pixel format."""
+    with tempfile.TemporaryDirectory() as folder:
+        frames = os.path.join(folder, "frames")
+        subprocess.run([BINARY, "render", photo, "--out", frames, "--size", "%dx%d" % size, "--frames", str(frame + 1),
+                        "--format", pixel_format, "--mask", "none", "--quiet"], check=True)
+        names = sorted(os.listdir(frames))
+        assert len(names) == frame + 1, names
+        return Picture.from_png(os.path.join(frames, names[-1]))
