@@ -95,11 +95,12 @@ impl Album {
 
     /// The photo to show, of those that can be shown.
     pub(super) fn current(&mut self) -> Option<PhotoId> {
-        while let Some(id) = self.playlist.current().filter(|id| self.bad.contains(id)) {
+        while self.playlist.current().is_some_and(|id| self.bad.contains(&id)) {
             if self.is_hopeless() {
                 return None;
             }
-            self.skip(id);
+            self.bad_in_a_row += 1;
+            self.playlist.skip();
         }
         self.playlist.current()
     }
@@ -133,11 +134,6 @@ impl Album {
         if self.bad.insert(id) {
             log::warn!("skipped: {why}");
         }
-    }
-
-    fn skip(&mut self, _bad: PhotoId) {
-        self.bad_in_a_row += 1;
-        self.playlist.skip();
     }
 
     /// A photo was shown.
