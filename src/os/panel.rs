@@ -206,8 +206,10 @@ impl Panel {
 
     /// Notes how late the frame was that was presented last.
     pub(super) fn note_lateness(&mut self, late: Duration) {
-        if let Self::Sim(simulated) = self {
-            simulated.lateness.note(late);
+        match self {
+            Self::Sim(simulated) => simulated.lateness.note(late),
+            #[cfg(any(feature = "window", feature = "kms", feature = "linuxfb"))]
+            _ => {}
         }
     }
 
