@@ -24,7 +24,7 @@ pub enum Request {
     Sleep,
     /// Never show this photo again.
     Hide,
-    /// Read the configuration and the folders anew.
+    /// Try again what could not be shown.
     Reload,
     /// End the program.
     Quit,

@@ -24,7 +24,7 @@ pub enum Action {
     Hide,
     /// Write the photo's name and the noises on the picture, or no longer.
     Information,
-    /// Read the configuration and the folders anew.
+    /// Try again what could not be shown.
     Reload,
     /// End the program.
     Quit,

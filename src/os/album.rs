@@ -87,7 +87,7 @@ impl Album {
         }
     }
 
-    /// Looks through everything anew, also through what could not be shown.
+    /// Tries again what could not be shown; folders are watched anyway.
     pub(super) fn reload(&mut self) {
         self.bad.clear();
         self.bad_in_a_row = 0;
