@@ -1,10 +1,11 @@
 use super::{
-    overlay,
+    overlay::{self, Overlay, Trace},
     state::{Outcome, Request, State},
 };
 use crate::{
     display::{Display, DisplayError},
-    effect::{Effect, Paint, paint},
+    effect::{Effect, Moment as _, Paint, paint},
+    frame::{Rect, Rotation},
     input::action::Action,
     math::{Factor, smoothstep},
     noise::{
@@ -33,6 +34,19 @@ pub struct Show {
     fade: Option<Fade>,
     /// The share of the panel's brightness, 0..=1.
     brightness: Factor,
+    /// How the panel is mounted.
+    rotation: Rotation,
+    trace: Trace,
+    written: Option<Written>,
+}
+
+/// Where something was written on the picture that must be painted over.
+#[derive(Clone, Copy, Debug)]
+struct Written {
+    /// All places since everything was painted.
+    place: Rect,
+    /// Frames presented since the last that had something written on it.
+    clean: u32,
 }
 
 /// One photo fading into the next.
@@ -67,13 +81,21 @@ impl Show {
             notice_frames: 0,
             fade: None,
             brightness: Factor::ONE,
+            rotation: Rotation::None,
+            trace: Trace::default(),
+            written: None,
         }
+    }
+
+    /// What is written on the picture stands upright on a panel that is mounted by `rotation`.
+    pub const fn set_rotation(&mut self, rotation: Rotation) {
+        self.rotation = rotation;
     }
 
     /// Another photo is shown from now on, or the display has lost its frames: everything is painted, and the picture comes alive
     /// from the still photo.
     pub fn restart(&mut self) {
-        (self.onset_frames, self.settled, self.fade) = (0, 0, None);
+        (self.onset_frames, self.settled, self.fade, self.written) = (0, 0, None, None);
     }
 
     /// Another photo is shown from now on: the one before fades into it within `frames`, and both move.
@@ -133,14 +155,15 @@ impl Show {
         None
     }
 
-    /// One frame: renders and presents it, and steps the noise. `name` is what the information calls the photo.
+    /// One frame: renders and presents it, and steps the noise. `caption` is what the information says of the photo, a line or
+    /// several.
     pub fn turn<E: Effect>(
         &mut self,
         effect: &mut E,
-        name: &str,
+        caption: &str,
         display: &mut impl Display,
     ) -> Result<(), DisplayError> {
-        self.turn_from(None, effect, name, display)
+        self.turn_from(None, effect, caption, display)
     }
 
     /// One frame as in [`Self::turn`], in which the photo that `leaving` showed may still be seen to fade.
@@ -148,17 +171,28 @@ impl Show {
         &mut self,
         leaving: Option<&mut E>,
         effect: &mut E,
-        name: &str,
+        caption: &str,
         display: &mut impl Display,
     ) -> Result<(), DisplayError> {
-        self.present(leaving, effect, name, display)?;
+        self.present(leaving, effect, caption, display)?;
         self.frame += 1;
         self.notice_frames = self.notice_frames.saturating_sub(1);
         self.fade = self.fade.and_then(|fade| fade.after());
         if !self.state.paused {
+            self.trace.note(self.drive, self.frames_per_second);
             self.drive = self.oscillator.step();
             self.onset_frames = (self.onset_frames + 1).min(self.frames_per_second);
         }
+        Ok(())
+    }
+
+    /// One frame without a photo: the lines of `message`, on black.
+    pub fn tell(&mut self, message: &str, display: &mut impl Display) -> Result<(), DisplayError> {
+        let mut back = display.back_buffer()?;
+        overlay::write_alone(message, &mut back.frame, self.rotation, self.brightness);
+        display.present()?;
+        self.frame += 1;
+        self.restart();
         Ok(())
     }
 
@@ -177,32 +211,60 @@ impl Show {
         &mut self,
         leaving: Option<&mut E>,
         effect: &mut E,
-        name: &str,
+        caption: &str,
         display: &mut impl Display,
     ) -> Result<(), DisplayError> {
         let mut back = display.back_buffer()?;
         let holds_motion = back.age != 0 && back.age <= self.settled;
         let moment = effect.at(Drive { onset: self.onset(), ..self.drive });
-        match (leaving, self.fade) {
+        let overlay = self.overlay(caption);
+        let (rotation, brightness, whole) = (self.rotation, self.brightness, Rect::whole(moment.size()));
+        let place = match (leaving, self.fade) {
             (Some(leaving), Some(fade)) => {
                 let before = leaving.at(Drive { onset: fade.onset, ..self.drive });
-                paint::fade(&before, &moment, fade.share(), self.brightness, &mut back.frame);
+                let (both, share) = ((&before, &moment), fade.share());
+                paint::fade(both, share, whole, brightness, &mut back.frame);
+                overlay.and_then(|overlay| {
+                    overlay.write(&mut back.frame, rotation, brightness, |place, dim, frame| {
+                        paint::fade(both, share, place, dim, frame);
+                    })
+                })
             }
             _ => {
                 let paint = if holds_motion { Paint::Motion } else { Paint::Everything };
-                paint::one(&moment, paint, self.brightness, &mut back.frame);
+                paint::one(&moment, paint, brightness, &mut back.frame);
+                if let Some(written) = self.written.filter(|written| holds_motion && back.age > written.clean)
+                {
+                    paint::part(&moment, written.place, brightness, &mut back.frame);
+                }
+                overlay.and_then(|overlay| {
+                    overlay.write(&mut back.frame, rotation, brightness, |place, dim, frame| {
+                        paint::part(&moment, place, dim, frame);
+                    })
+                })
             }
-        }
-        let noises = self.noises();
-        let written = match (self.state.information, self.notice_frames) {
-            (true, _) => overlay::write(&mut back.frame, Some(name), noises),
-            (false, 1..) => overlay::write(&mut back.frame, None, noises),
-            (false, 0) => false,
         };
         display.present()?;
-        // What was written, or shone through, must be painted over in every buffer that it went into.
-        self.settled = if written || self.is_fading() { 0 } else { self.settled.saturating_add(1) };
+        self.note_presented(place);
         Ok(())
+    }
+
+    /// What is to be written on the picture now, if anything is.
+    fn overlay<'a>(&'a self, caption: &'a str) -> Option<Overlay<'a>> {
+        let caption = self.state.information.then_some(caption);
+        let shown = caption.is_some() || self.notice_frames > 0;
+        shown.then_some(Overlay { caption, noises: self.noises(), trace: &self.trace })
+    }
+
+    /// What shone through must be painted over in every buffer that it went into, and so must what was written at `place`.
+    fn note_presented(&mut self, place: Option<Rect>) {
+        self.settled = if self.is_fading() { 0 } else { self.settled.saturating_add(1) };
+        self.written = match (self.written, place) {
+            (Some(before), Some(place)) => Some(Written { place: before.place.hull(place), clean: 0 }),
+            (None, Some(place)) => Some(Written { place, clean: 0 }),
+            (Some(before), None) => Some(Written { clean: before.clean.saturating_add(1), ..before }),
+            (None, None) => None,
+        };
     }
 
     /// The picture comes alive within its first second.

@@ -3,7 +3,7 @@
 use super::{Moment, RUN};
 use crate::{
     frame::{
-        FrameMut,
+        FrameMut, Rect,
         pack::{Level, Levels, pack},
     },
     math::{Factor, mul_q15, q15},
@@ -21,29 +21,45 @@ pub enum Paint {
 
 /// Paints `moment` into `out`, at a share of its `brightness` of 0..=1.
 pub fn one(moment: &impl Moment, paint: Paint, brightness: Factor, out: &mut FrameMut<'_>) {
-    let size = moment.size();
-    let dim = Dim::new(brightness);
-    for y in 0..size.height {
-        let mut paint_span = |span| {
-            runs(span, y, out, |x, levels| {
-                moment.levels(x, y, levels);
-                dim.apply(levels);
-            });
-        };
-        match paint {
-            Paint::Everything => paint_span(0..size.width as usize),
-            Paint::Motion => moment.moving(y).for_each(paint_span),
+    match paint {
+        Paint::Everything => part(moment, Rect::whole(moment.size()), brightness, out),
+        Paint::Motion => {
+            let dim = Dim::new(brightness);
+            for y in 0..moment.size().height {
+                moment.moving(y).for_each(|span| one_span(moment, span, y, dim, out));
+            }
         }
     }
 }
 
-/// Paints `from` faded into `to` by `share` of 0..=1, both of the size of `out`, which is painted whole.
-pub fn fade(from: &impl Moment, to: &impl Moment, share: Factor, brightness: Factor, out: &mut FrameMut<'_>) {
-    let size = to.size();
+/// Paints all of `moment` that lies in `rect`, which is within it.
+pub fn part(moment: &impl Moment, rect: Rect, brightness: Factor, out: &mut FrameMut<'_>) {
+    let dim = Dim::new(brightness);
+    for y in rect.rows() {
+        one_span(moment, rect.columns(), y, dim, out);
+    }
+}
+
+#[inline(always)]
+fn one_span(moment: &impl Moment, span: Range<usize>, y: u32, dim: Dim, out: &mut FrameMut<'_>) {
+    runs(span, y, out, |x, levels| {
+        moment.levels(x, y, levels);
+        dim.apply(levels);
+    });
+}
+
+/// Paints all that lies in `rect` of `from` faded into `to` by `share` of 0..=1, both of the size of `out`.
+pub fn fade(
+    (from, to): (&impl Moment, &impl Moment),
+    share: Factor,
+    rect: Rect,
+    brightness: Factor,
+    out: &mut FrameMut<'_>,
+) {
     let (share, dim) = (q15(share), Dim::new(brightness));
     let mut new = [[0; RUN]; 3];
-    for y in 0..size.height {
-        runs(0..size.width as usize, y, out, |x, levels| {
+    for y in rect.rows() {
+        runs(rect.columns(), y, out, |x, levels| {
             let [red, green, blue] = new.each_mut().map(|plane| &mut plane[..levels.red.len()]);
             let mut new = Levels { red, green, blue };
             from.levels(x, y, levels);
@@ -53,6 +69,19 @@ pub fn fade(from: &impl Moment, to: &impl Moment, share: Factor, brightness: Fac
                     let step = mul_q15(new as i16 - *old as i16, share);
                     *old = (*old as i16 + step) as Level;
                 }
+            }
+            dim.apply(levels);
+        });
+    }
+}
+
+/// Paints `rect` in one sRGB `colour`.
+pub fn plain(colour: [u8; 3], rect: Rect, brightness: Factor, out: &mut FrameMut<'_>) {
+    let dim = Dim::new(brightness);
+    for y in rect.rows() {
+        runs(rect.columns(), y, out, |_, levels| {
+            for (plane, level) in levels.planes().into_iter().zip(colour) {
+                plane.fill(Level::from(level) << 4);
             }
             dim.apply(levels);
         });
@@ -132,10 +161,23 @@ mod tests {
     }
 
     #[test]
+    fn a_part_or_a_plain_rectangle_leaves_the_rest_alone() {
+        let rect = Rect { x: 130, y: 1, size: Size::new(140, 1) };
+        let part = painted(|out| part(&Flat(100), rect, Factor::ONE / 2, out));
+        let plain = painted(|out| plain([9, 80, 9], rect, Factor::ONE, out));
+        for (i, (part, plain)) in part.into_iter().zip(plain).enumerate() {
+            let want = if (430..570).contains(&i) { (50, 80) } else { (7, 7) };
+            assert_eq!((part, plain), want, "pixel {i}");
+        }
+    }
+
+    #[test]
     fn a_fade_starts_at_the_old_picture_and_ends_at_the_new() {
         for (share, level) in [(0, 200), (1, 175), (2, 150), (4, 100)] {
             let share = Factor::from_num(share) / 4;
-            let frame = painted(|out| fade(&Flat(200), &Flat(100), share, Factor::ONE, out));
+            let frame = painted(|out| {
+                fade((&Flat(200), &Flat(100)), share, Rect::whole(Size::new(300, 2)), Factor::ONE, out)
+            });
             assert!(frame.iter().all(|got| got.abs_diff(level) <= 1), "{share}: {frame:?}");
         }
     }

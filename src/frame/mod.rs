@@ -15,6 +15,8 @@ pub use format::{PixelFormat, UnknownFormat};
 pub use rotation::{Rotation, UnknownRotation, rotate};
 pub use view::{FrameMut, FrameRef, Layout, LayoutError};
 
+use core::ops::Range;
+
 /// Width and height in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Size {
@@ -73,4 +75,30 @@ pub struct Rect {
     pub y: u32,
     /// Its width and height.
     pub size: Size,
+}
+
+impl Rect {
+    /// All of a frame of `size`.
+    pub const fn whole(size: Size) -> Self {
+        Self { x: 0, y: 0, size }
+    }
+
+    /// The columns that it takes.
+    pub const fn columns(self) -> Range<usize> {
+        self.x as usize..(self.x + self.size.width) as usize
+    }
+
+    /// The rows that it takes.
+    pub const fn rows(self) -> Range<u32> {
+        self.y..self.y + self.size.height
+    }
+
+    /// The smallest rectangle that holds both.
+    #[must_use]
+    pub fn hull(self, other: Self) -> Self {
+        let (x, y) = (self.x.min(other.x), self.y.min(other.y));
+        let right = self.columns().end.max(other.columns().end) as u32;
+        let size = Size::new(right - x, self.rows().end.max(other.rows().end) - y);
+        Self { x, y, size }
+    }
 }

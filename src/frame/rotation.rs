@@ -1,4 +1,4 @@
-use super::Size;
+use super::{Rect, Size};
 use core::{fmt, str::FromStr};
 
 /// How far a picture is turned clockwise, for a panel that is mounted turned.
@@ -44,6 +44,20 @@ impl Rotation {
             Self::None | Self::Half => size,
             Self::Quarter | Self::ThreeQuarter => size.transposed(),
         }
+    }
+
+    /// Where `rect` of a picture of `size` lies once the picture is turned.
+    #[must_use]
+    pub const fn turned_rect(self, rect: Rect, size: Size) -> Rect {
+        let Rect { x, y, size: Size { width, height } } = rect;
+        let (right, below) = (size.width - x - width, size.height - y - height);
+        let (x, y) = match self {
+            Self::None => (x, y),
+            Self::Quarter => (below, x),
+            Self::Half => (right, below),
+            Self::ThreeQuarter => (y, right),
+        };
+        Rect { x, y, size: self.turned(rect.size) }
     }
 }
 
@@ -124,6 +138,21 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn a_rectangle_turns_as_its_pixels_do(x in 0_u32..9, y in 0_u32..9, width in 1_u32..5, height in 1_u32..5) {
+            let (size, rect) = (Size::new(13, 14), Rect { x, y, size: Size::new(width, height) });
+            let holds = |rect: Rect, x: u32, y: u32| rect.columns().contains(&(x as usize)) && rect.rows().contains(&y);
+            let inside: [bool; 13 * 14] = core::array::from_fn(|i| holds(rect, i as u32 % 13, i as u32 / 13));
+            for rotation in Rotation::ALL {
+                let mut out = [false; 13 * 14];
+                rotate(rotation, &inside, size, &mut out);
+                let (turned, width) = (rotation.turned_rect(rect, size), rotation.turned(size).width);
+                for (i, &inside) in out.iter().enumerate() {
+                    prop_assert_eq!(inside, holds(turned, i as u32 % width, i as u32 / width));
+                }
+            }
+        }
+
         #[test]
         fn quarters_add_up_and_the_inverse_undoes(width in 1_u32..70, height in 1_u32..70) {
             extern crate std;

@@ -16,6 +16,9 @@ use std::{collections::HashSet, env, path::PathBuf, time::Duration};
 /// The demo photo, which is in no folder.
 const DEMO: PhotoId = PhotoId(0);
 
+/// As many folders are named where there are no photos: as many lines as the smallest panel has.
+const MOST_FOLDERS: usize = 8;
+
 /// Photos in folders, or the demo photo.
 pub(super) struct Album {
     /// None for the demo photo.
@@ -26,6 +29,9 @@ pub(super) struct Album {
     bad: HashSet<PhotoId>,
     /// Photos in a row that could not be shown.
     bad_in_a_row: usize,
+    /// Why the last of them could not.
+    last_failure: String,
+    folders: Vec<PathBuf>,
 }
 
 impl Album {
@@ -56,7 +62,15 @@ impl Album {
             playlist.hide(photo_id(path));
         }
         let library = (!config.photos.is_empty()).then(|| Library::watch(&config.photos, config.order));
-        let mut album = Self { library, playlist, memory, bad: HashSet::new(), bad_in_a_row: 0 };
+        let mut album = Self {
+            library,
+            playlist,
+            memory,
+            bad: HashSet::new(),
+            bad_in_a_row: 0,
+            last_failure: String::new(),
+            folders: config.photos.clone(),
+        };
         album.update();
         if album.playlist.is_empty() && typed {
             let line =
@@ -132,6 +146,7 @@ impl Album {
     /// A photo cannot be shown, because of `why`. Told once.
     pub(super) fn fails(&mut self, id: PhotoId, why: &Failure) {
         if self.bad.insert(id) {
+            self.last_failure = why.to_string();
             log::warn!("skipped: {why}");
         }
     }
@@ -144,6 +159,25 @@ impl Album {
     /// Whether every photo was tried in vain.
     pub(super) fn is_hopeless(&self) -> bool {
         self.bad_in_a_row > 2 * self.playlist.len()
+    }
+
+    /// Why there is no photo to show, as a few lines for the panel; `None` where there is one.
+    pub(super) fn nothing(&mut self) -> Option<String> {
+        if self.current().is_some() {
+            return None;
+        }
+        if !self.playlist.is_empty() {
+            return Some(format!("no photo can be shown\n{}", self.last_failure));
+        }
+        if self.library.as_ref().is_some_and(|library| !library.photos().is_empty()) {
+            return Some("all photos are hidden".into());
+        }
+        let mut lines = String::from("no photos yet: copy some to");
+        for folder in self.folders.iter().take(MOST_FOLDERS) {
+            let away = if folder.exists() { "" } else { " (not there)" };
+            lines += &format!("\n{}{away}", folder.display());
+        }
+        Some(lines)
     }
 
     /// Never shows a photo again.

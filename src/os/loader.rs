@@ -23,7 +23,8 @@ use std::{
 /// A photo that was prepared for a panel of its size.
 pub(super) struct Living {
     pub(super) id: PhotoId,
-    pub(super) name: String,
+    /// What the information says of it.
+    pub(super) caption: String,
     pub(super) size: Size,
     pub(super) shimmer: Shimmer<Vec<u64>>,
     /// The noises and times of the photo's own look.
@@ -117,7 +118,7 @@ fn load(order: Order, config: &Config) -> Result<Living, Failure> {
     storage.resize(storage_len(size), 0);
     Ok(Living {
         id,
-        name: scene.name().to_owned(),
+        caption: scene.caption().to_owned(),
         size,
         shimmer: Shimmer::prepare(scene.photo(), &life.shimmer, storage)?,
         drive: life.drive,

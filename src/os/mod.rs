@@ -7,6 +7,7 @@ mod album;
 pub mod args;
 pub mod backlight;
 pub mod board;
+mod caption;
 pub mod config;
 mod config_command;
 pub mod config_file;

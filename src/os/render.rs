@@ -64,7 +64,7 @@ fn film(args: &args::Render, source: Source<'_>) -> Result<(), Failure> {
         if interrupt.requested() {
             return Err(Failure::new(stopped(args)));
         }
-        show.turn(&mut shimmer, scene.name(), &mut panel)?;
+        show.turn(&mut shimmer, scene.caption(), &mut panel)?;
         let Some(frame) = panel.shown() else { unreachable!("a frame was just presented") };
         if let Some(writer) = &mut writer {
             writer.write(frame)?;

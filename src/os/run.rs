@@ -109,6 +109,7 @@ impl Running {
             let kind = |chosen: Option<Kind>, configured| chosen.unwrap_or(configured);
             show.take_up(kind(state.amplitude, drive.amplitude), kind(state.frequency, drive.frequency));
         }
+        show.set_rotation(config.rotation);
         panel.set_keys(config.actions);
         let mut keyboards = panel.is_bare().then(|| Keyboards::new(config.keys.clone(), true));
         if let Some(keyboards) = &mut keyboards {
@@ -169,16 +170,19 @@ impl Running {
 
     /// Presents a frame, if there is anything to be seen, and tells so.
     fn turn(&mut self) -> Result<bool, DisplayError> {
-        // A panel that is off has been given one black frame.
-        let Some(current) = self.current.as_mut().filter(|_| !self.dimmer.is_dark()) else {
-            return Ok(false);
-        };
-        let leaving = self.leaving.as_mut().map(|leaving| &mut leaving.shimmer);
-        let turned = self.show.turn_from(leaving, &mut current.shimmer, &current.name, &mut self.panel);
+        let turned = self.present();
         if let Some(keyboards) = &mut self.keyboards {
             keyboards.set_listening(!matches!(turned, Err(DisplayError::Lost)));
         }
-        turned?;
+        turned
+    }
+
+    fn present(&mut self) -> Result<bool, DisplayError> {
+        let Some(current) = self.current.as_mut().filter(|_| !self.dimmer.is_dark()) else {
+            return self.idle().map(|()| false);
+        };
+        let leaving = self.leaving.as_mut().map(|leaving| &mut leaving.shimmer);
+        self.show.turn_from(leaving, &mut current.shimmer, &current.caption, &mut self.panel)?;
         self.dimmer.shown();
         if !self.show.is_fading()
             && let Some(leaving) = self.leaving.take()
@@ -191,6 +195,20 @@ impl Running {
         }
         self.album.remember(self.clock.elapsed(), self.show.noises(), false);
         Ok(true)
+    }
+
+    /// Says on the panel why there is no photo. A panel that is off has been given one black frame; all that it must do is to notice
+    /// that it is gone, or that somebody wants to see another console.
+    fn idle(&mut self) -> Result<(), DisplayError> {
+        let nothing = if self.dimmer.is_dark() { None } else { self.album.nothing() };
+        match nothing {
+            Some(why) => {
+                self.show.tell(&why, &mut self.panel)?;
+                self.dimmer.shown();
+                Ok(())
+            }
+            None => self.panel.back_buffer().map(drop),
+        }
     }
 
     /// Sees to it that the photo that is wanted is shown as soon as it is loaded, and that the next one is loaded by then.
@@ -254,7 +272,8 @@ impl Running {
 
     /// No photo can be shown. A frame waits for better ones; a program that was told which to show says so.
     fn give_up(&self) -> Result<(), Failure> {
-        if !self.typed || self.current.is_some() || self.loader.is_busy() {
+        let tried = self.album.is_hopeless() && !self.loader.is_busy();
+        if !self.typed || !tried || self.current.is_some() {
             return Ok(());
         }
         Err(Failure::new("none of the photos can be shown"))
@@ -291,6 +310,10 @@ impl Running {
             Request::Hide => {
                 if let Some(current) = &self.current {
                     self.album.hide(current.id);
+                }
+                // A photo that is gone from its folder may stay while there is no other; one that nobody wants to see may not.
+                if self.album.current().is_none() {
+                    self.drop_photos();
                 }
             }
             Request::Reload => self.album.reload(),

@@ -3,6 +3,7 @@
 use super::{
     Failure,
     args::MaskChoice,
+    caption,
     config::{Config, Look},
     once::once,
     photo,
@@ -34,7 +35,7 @@ static DEMO: &[u8] = include_bytes!("../../tests/data/demo.jpg");
 /// A photo and its mask at the panel's size, turned as the panel is mounted.
 #[derive(Debug)]
 pub struct Scene {
-    name: String,
+    caption: String,
     size: Size,
     rgb: Vec<u8>,
     mask: Vec<u8>,
@@ -60,20 +61,22 @@ impl Scene {
             Source::Demo => photo::from_bytes("the demo photo", DEMO, &options)?,
         };
         let mask = choose_mask(source, &photo, &look, &options.limits)?;
-        let name =
-            Path::new(&photo.name).file_name().map_or(photo.name.clone(), |n| n.to_string_lossy().into());
+        let caption = match source {
+            Source::File(path) => caption::of_file(path),
+            Source::Demo => "\"Forest\" by Moritz Reisinger\nCC BY-SA 3.0".into(),
+        };
         if rotation == Rotation::None {
-            return Ok(Self { name, size, rgb: photo.rgb, mask, look });
+            return Ok(Self { caption, size, rgb: photo.rgb, mask, look });
         }
         let (mut rgb, mut turned_mask) = (vec![[0; 3]; size.pixels()], vec![0; size.pixels()]);
         rotate(rotation, photo.rgb.as_chunks::<3>().0, upright, &mut rgb);
         rotate(rotation, &mask, upright, &mut turned_mask);
-        Ok(Self { name, size, rgb: rgb.into_flattened(), mask: turned_mask, look })
+        Ok(Self { caption, size, rgb: rgb.into_flattened(), mask: turned_mask, look })
     }
 
-    /// What people call the photo: the name of its file.
-    pub fn name(&self) -> &str {
-        &self.name
+    /// What the information on the picture says of the photo: a line or two.
+    pub fn caption(&self) -> &str {
+        &self.caption
     }
 
     /// How the photo is shown: as its sidecar says, or as all are.

@@ -10,10 +10,10 @@ use yurameki::{
         sim::{Buffering, Sim, memory_len},
     },
     effect::{
-        Effect,
+        Effect, Photo,
         shimmer::{Range, Shimmer, storage_len},
     },
-    frame::{FrameRef, Layout, PixelFormat, Size},
+    frame::{FrameRef, Layout, PixelFormat, Rotation, Size},
     input::action::Action,
     noise::Kind,
 };
@@ -79,7 +79,8 @@ fn painting_what_moves_leaves_the_same_frame_as_painting_everything() {
     let still = Still::drawn(size).with_holes();
     let moving = still.mask.iter().filter(|&&mask| mask != 0).count();
     assert!((size.pixels() / 5..size.pixels() * 4 / 5).contains(&moving), "{moving} pixels move");
-    for (range, format) in ranges().zip([PixelFormat::Rgb565, PixelFormat::Xrgb8888, PixelFormat::Bgr888]) {
+    let formats = [PixelFormat::Rgb565, PixelFormat::Xrgb8888, PixelFormat::Bgr888];
+    for ((range, format), rotation) in ranges().zip(formats).zip(Rotation::ALL) {
         for buffering in [Buffering::Single, Buffering::Double] {
             let life = lively(range);
             let stride_bytes = size.width as usize * format.bytes_per_pixel() + 5;
@@ -94,6 +95,8 @@ fn painting_what_moves_leaves_the_same_frame_as_painting_everything() {
             let schedule = [(201, Mishap::Forgotten), (240, Mishap::Forgotten), (242, Mishap::Forgotten)];
             let mut panel = Fault::new(sim, schedule);
             let mut show = Show::new(life.drive, FRAMES_PER_SECOND, 5);
+            show.set_rotation(rotation);
+            whole.show.set_rotation(rotation);
             let mut before = Vec::new();
             let mut changes = 0;
             for frame in 0..200 {
@@ -115,6 +118,124 @@ fn painting_what_moves_leaves_the_same_frame_as_painting_everything() {
             assert!(changes > 100, "{range}: the picture moved in {changes} frames only");
         }
     }
+}
+
+/// The pixels of a frame that differ from those of another, as (column, row).
+fn differing(a: FrameRef<'_>, b: &[[u8; 3]]) -> Vec<(u32, u32)> {
+    let Size { width, height } = a.layout().size;
+    let all = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    all.zip(b).filter(|&((x, y), &before)| a.rgb(x, y) != before).map(|(at, _)| at).collect()
+}
+
+fn pixels(frame: FrameRef<'_>) -> Vec<[u8; 3]> {
+    let Size { width, height } = frame.layout().size;
+    (0..height).flat_map(|y| (0..width).map(move |x| frame.rgb(x, y))).collect()
+}
+
+#[test]
+fn information_is_in_the_lower_left_corner_of_the_upright_picture_and_readable_in_every_format() {
+    for (format, rotation) in PixelFormat::ALL.into_iter().zip(Rotation::ALL.into_iter().cycle()) {
+        let upright = Size::new(400, 300);
+        let size = rotation.turned(upright);
+        // The worst photo for white text.
+        let (rgb, mask) = (vec![255; size.pixels() * 3], vec![0; size.pixels()]);
+        let layout = Layout::new(size, format, None).expect("a good layout");
+        let mut storage = vec![0; storage_len(size)];
+        let photo = Photo { size, rgb: &rgb, mask: &mask };
+        let mut shimmer =
+            Shimmer::prepare(photo, &Life::default().shimmer, &mut storage).expect("enough storage");
+        let mut panel =
+            Sim::new(vec![0; memory_len(layout, Buffering::Double)], layout, Buffering::Double, 0)
+                .expect("enough memory");
+        let mut show = Show::new(Life::default().drive, FRAMES_PER_SECOND, 5);
+        show.set_rotation(rotation);
+        let mut frames = |show: &mut Show, count: u32| {
+            for _ in 0..count {
+                show.turn(&mut shimmer, "夏の山 é.jpg\n2019-07-21 14:03", &mut panel)
+                    .expect("an untroubled panel");
+            }
+            pixels(panel.shown().expect("presented"))
+        };
+        let plain = frames(&mut show, 3);
+        assert_eq!(show.press(Action::Information), None);
+        let written = frames(&mut show, 2);
+        let (mut text, mut ground) = (0, 0);
+        for (i, (&before, &after)) in plain.iter().zip(&written).enumerate().filter(|(_, (a, b))| a != b) {
+            assert_eq!(before, [255; 3]);
+            let (x, y) = (i as u32 % size.width, i as u32 / size.width);
+            let (x, y) = match rotation {
+                Rotation::None => (x, y),
+                Rotation::Quarter => (y, size.width - 1 - x),
+                Rotation::Half => (size.width - 1 - x, size.height - 1 - y),
+                Rotation::ThreeQuarter => (size.height - 1 - y, x),
+            };
+            assert!(
+                x < upright.width - 80 && y > upright.height / 2,
+                "{format} {rotation}: column {x}, row {y}"
+            );
+            ground += usize::from(after.iter().all(|&level| level < 100));
+            text += usize::from(after.iter().any(|&level| level > 180));
+        }
+        assert!(ground > 5_000 && text > 500, "{format} {rotation}: {text} pixels on {ground}");
+        show.press(Action::Information);
+        assert_eq!(frames(&mut show, 3), plain, "{format} {rotation}: something is left behind");
+    }
+}
+
+#[test]
+fn the_noises_are_plotted_for_three_seconds_after_a_press() {
+    let size = Size::new(400, 200);
+    let (rgb, mask) = (vec![90; size.pixels() * 3], vec![0; size.pixels()]);
+    let layout = Layout::new(size, PixelFormat::Xrgb8888, None).expect("a good layout");
+    let mut storage = vec![0; storage_len(size)];
+    let photo = Photo { size, rgb: &rgb, mask: &mask };
+    let mut shimmer =
+        Shimmer::prepare(photo, &Life::default().shimmer, &mut storage).expect("enough storage");
+    let mut panel = Sim::new(vec![0; memory_len(layout, Buffering::Double)], layout, Buffering::Double, 0)
+        .expect("enough memory");
+    let mut show = Show::new(lively(Range::Full).drive, FRAMES_PER_SECOND, 5);
+    let mut written = Vec::new();
+    let mut before = Vec::new();
+    for frame in 0..100 {
+        if frame == 30 {
+            assert_eq!(show.press(Action::Frequency), None);
+        }
+        show.turn(&mut shimmer, "a photo.jpg", &mut panel).expect("an untroubled panel");
+        let shown = panel.shown().expect("presented");
+        let plain = vec![[90; 3]; size.pixels()];
+        if !differing(shown, &plain).is_empty() {
+            written.push(frame);
+            // The plot moves: white noise drives the amplitude.
+            assert!(frame == 30 || !differing(shown, &before).is_empty(), "frame {frame} is that before");
+        }
+        before = pixels(shown);
+    }
+    assert_eq!(written, (30..66).collect::<Vec<_>>());
+}
+
+#[test]
+fn a_message_stands_alone_and_the_next_photo_paints_it_over() {
+    let still = Still::drawn(Size::new(300, 120)).with_holes();
+    let life = lively(Range::Full);
+    let layout = Layout::new(still.size, PixelFormat::Xrgb8888, None).expect("a good layout");
+    let mut storage = vec![0; storage_len(still.size)];
+    let mut shimmer = Shimmer::prepare(still.photo(), &life.shimmer, &mut storage).expect("enough storage");
+    let most_bytes = memory_len(layout, Buffering::Double);
+    let mut panel = Sim::new(vec![0; most_bytes], layout, Buffering::Double, 0).expect("enough memory");
+    let mut show = Show::new(life.drive, FRAMES_PER_SECOND, 5);
+    for _ in 0..3 {
+        show.tell("no photos yet\n/a/folder/with a name that is far too long to be shown", &mut panel)
+            .expect("shown");
+    }
+    let told = pixels(panel.shown().expect("presented"));
+    let lit = told.iter().filter(|&&rgb| rgb == [255; 3]).count();
+    assert!(lit > 300 && told.iter().all(|rgb| [[0; 3], [255; 3]].contains(rgb)), "{lit} pixels of text");
+    let mut whole = Whole::new(life, layout, most_bytes);
+    for frame in 0..4 {
+        show.turn(&mut shimmer, "", &mut panel).expect("shown");
+        assert!(same(panel.shown().expect("presented"), whole.turn(&mut shimmer)), "frame {frame}");
+    }
+    assert_eq!(show.frame(), 7);
 }
 
 #[test]

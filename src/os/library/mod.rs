@@ -239,3 +239,19 @@ impl Thread {
         }
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    /// A JPEG of nothing but an EXIF segment, with one entry: `date` as DateTime (0x0132), 20 bytes of text at 26.
+    pub(in crate::os) fn jpeg_of(date: &str) -> Vec<u8> {
+        let mut tiff = b"MM\0*\0\0\0\x08\0\x01\x01\x32\0\x02\0\0\0\x14\0\0\0\x1a\0\0\0\0".to_vec();
+        tiff.extend(date.as_bytes());
+        tiff.push(0);
+        let mut jpeg = b"\xff\xd8\xff\xe1".to_vec();
+        jpeg.extend((tiff.len() as u16 + 8).to_be_bytes());
+        jpeg.extend(b"Exif\0\0");
+        jpeg.extend(&tiff);
+        jpeg.extend(b"\xff\xd9");
+        jpeg
+    }
+}

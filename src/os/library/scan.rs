@@ -155,7 +155,7 @@ fn taken(path: &Path, stamp: Stamp) -> i64 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::tests::jpeg_of, *};
 
     const SECOND: Duration = Duration::from_secs(1);
 
@@ -202,14 +202,7 @@ mod tests {
     #[test]
     fn by_date_the_exif_date_counts_and_else_that_of_the_file() {
         let folder = tempfile::tempdir().unwrap();
-        // A JPEG of nothing but an EXIF segment: one entry, DateTime (0x0132) as 20 bytes of text at 26.
-        let mut tiff = b"MM\0*\0\0\0\x08\0\x01\x01\x32\0\x02\0\0\0\x14\0\0\0\x1a\0\0\0\0".to_vec();
-        tiff.extend(b"1999:12:31 23:59:58\0");
-        let mut jpeg = b"\xff\xd8\xff\xe1".to_vec();
-        jpeg.extend((tiff.len() as u16 + 8).to_be_bytes());
-        jpeg.extend(b"Exif\0\0");
-        jpeg.extend(&tiff);
-        jpeg.extend(b"\xff\xd9");
+        let jpeg = jpeg_of("1999:12:31 23:59:58");
         for (name, bytes, seconds) in
             [("a.jpg", &b""[..], 2_000_000_000), ("b.jpg", b"", 5), ("c.jpg", &jpeg, 2)]
         {

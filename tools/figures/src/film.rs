@@ -70,7 +70,11 @@ impl<'a> Film<'a> {
     pub(crate) fn new(scene: &'a Scene, life: &Life, storage: &'a mut [u64]) -> Result<Self, Failure> {
         let photo = scene.photo();
         let shimmer = Shimmer::prepare(photo, &life.shimmer, storage)?;
-        Ok(Self { name: scene.name(), shimmer, layout: Layout::new(photo.size, PixelFormat::Bgr888, None)? })
+        Ok(Self {
+            name: scene.caption(),
+            shimmer,
+            layout: Layout::new(photo.size, PixelFormat::Bgr888, None)?,
+        })
     }
 
     /// What a film of `size` takes.
