@@ -333,7 +333,13 @@ fn what_is_no_supported_picture_is_named() {
     let named = |bytes: &[u8]| fault("x", bytes, &Options::new(DRAWN)).to_string();
     for (magic, name) in [
         (&b"\0\0\0\x18ftypheic\0\0\0\0"[..], "HEIC"),
+        (b"\0\0\0\x18ftypheix\0\0\0\0mif1heix", "HEIC"),
+        (b"\0\0\0\x18ftypmif1\0\0\0\0mif1heic", "HEIC"),
+        (b"\0\0\0\x18ftypmif1\0\0\0\0mif1avif", "AVIF"),
+        (b"\0\0\0\x14ftypmif1\0\0\0\0mif1avif", "HEIF"),
         (b"\0\0\0\x18ftypavif\0\0\0\0", "AVIF"),
+        (b"\0\0\0\x18ftypisom\0\0\0\0mp41avc1", "video"),
+        (b"\0\0\0\x18ftypcrx \0\0\0\0", "camera RAW"),
         (b"\xff\x0a\0\0", "JPEG XL"),
         (b"\0\0\0\x0cJXL \r\n\x87\n", "JPEG XL"),
         (b"II*\0\x10\0\0\0CR\x02\0", "camera RAW"),

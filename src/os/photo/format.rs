@@ -4,15 +4,7 @@ use super::Fault;
 use image::ImageFormat;
 
 /// Formats that are known by name only: where in the file, what bytes, and the name.
-const UNSUPPORTED: [(usize, &[u8], &str); 18] = [
-    (4, b"ftypavif", "AVIF"),
-    (4, b"ftypavis", "AVIF"),
-    (4, b"ftyphei", "HEIC"),
-    (4, b"ftyphev", "HEIC"),
-    (4, b"ftypmif1", "HEIC"),
-    (4, b"ftypmsf1", "HEIC"),
-    (4, b"ftypcrx", "camera RAW"),
-    (4, b"ftyp", "video"),
+const UNSUPPORTED: [(usize, &[u8], &str); 10] = [
     (0, b"\xff\x0a", "JPEG XL"),
     (4, b"JXL \r\n\x87\n", "JPEG XL"),
     (4, b"jP  \r\n\x87\n", "JPEG 2000"),
@@ -25,6 +17,28 @@ const UNSUPPORTED: [(usize, &[u8], &str); 18] = [
     (0, b"8BPS", "Photoshop (PSD)"),
 ];
 
+/// What the brands of a file of boxes (ISO/IEC 14496-12) say that it holds: a brand begins so, and the name. Of AVIF and HEIC, which
+/// both may have the brand mif1 too, the more telling brand may come later.
+const BRANDS: [(&[u8], &str); 6] = [
+    (b"avi", "AVIF"),
+    (b"hei", "HEIC"),
+    (b"hev", "HEIC"),
+    (b"crx", "camera RAW"),
+    (b"mif1", "HEIF"),
+    (b"msf1", "HEIF"),
+];
+
+/// The name of the format of a file of boxes; `None` for other files.
+fn boxed(bytes: &[u8]) -> Option<&'static str> {
+    let (&length, rest) = bytes.split_first_chunk::<4>()?;
+    let rest = rest.strip_prefix(b"ftyp")?;
+    let length = (u32::from_be_bytes(length) as usize).saturating_sub(8).min(rest.len());
+    // After the first brand comes its version.
+    let brands = rest[..length].chunks_exact(4).enumerate().filter(|(i, _)| *i != 1).map(|(_, brand)| brand);
+    let is = |start: &[u8]| brands.clone().any(|brand| brand.starts_with(start));
+    Some(BRANDS.iter().find(|(start, _)| is(start)).map_or("video", |(_, name)| name))
+}
+
 /// The format of a file, by its content.
 pub(super) fn guess(bytes: &[u8]) -> Result<ImageFormat, Fault> {
     if bytes.is_empty() {
@@ -33,7 +47,7 @@ pub(super) fn guess(bytes: &[u8]) -> Result<ImageFormat, Fault> {
     let unsupported = UNSUPPORTED
         .iter()
         .find(|(start, magic, _)| bytes.get(*start..).is_some_and(|rest| rest.starts_with(magic)));
-    if let Some((.., name)) = unsupported {
+    if let Some(name) = unsupported.map(|(.., name)| *name).or_else(|| boxed(bytes)) {
         return Err(Fault::Unsupported(name));
     }
     use ImageFormat::{Bmp, Gif, Jpeg, Png, Tiff, WebP};
