@@ -42,7 +42,7 @@ pub enum Command {
     Mask(Mask),
     /// Print, check and explain what can be configured.
     Config(ConfigFile),
-    /// List the displays, and the state of the console.
+    /// List the displays with the memory that they need, the buttons, the backlights, and the state of the console.
     Probe,
     #[cfg(any(feature = "kms", feature = "linuxfb"))]
     /// Give the text console back after the program was killed.
@@ -50,7 +50,7 @@ pub enum Command {
 }
 
 /// Arguments of `run`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Run {
     /// Photos, and folders of photos; without any, those that the configuration names, else the built-in demo photo.
     pub photos: Vec<PathBuf>,

@@ -42,6 +42,7 @@ mod usage;
 pub mod window;
 
 mod mask;
+mod memory;
 mod noise;
 mod render;
 

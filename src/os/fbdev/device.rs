@@ -194,8 +194,8 @@ impl Drop for Device {
     }
 }
 
-/// A device as a line for people. Nothing is tried that would show.
-pub(in crate::os) fn describe(path: &Path) -> io::Result<String> {
+/// A device as a line for people, and its size. Nothing is tried that would show.
+pub(in crate::os) fn describe(path: &Path) -> io::Result<(String, Size)> {
     let file = OpenOptions::new().read(true).write(true).open(path)?;
     let (screen, memory) = (Screen::of(&file)?, Memory::of(&file)?);
     let framebuffer = Framebuffer::new(path).map_err(io_error)?;
@@ -206,16 +206,17 @@ pub(in crate::os) fn describe(path: &Path) -> io::Result<String> {
         Ok(()) => "returns at once",
         Err(_) => "none",
     };
-    Ok(format!(
-        "{}  {}: {}, {pixels}, stride {}, virtual {}, {} KiB, pan step {}, vertical blank {vsync}",
+    let size = Size::new(screen.xres, screen.yres);
+    let line = format!(
+        "{}  {}: {size}, {pixels}, stride {}, virtual {}, {} KiB, pan step {}, vertical blank {vsync}",
         path.display(),
         memory.name(),
-        Size::new(screen.xres, screen.yres),
         memory.line_length,
         Size::new(screen.xres_virtual, screen.yres_virtual),
         memory.smem_len / 1024,
         memory.ypanstep,
-    ))
+    );
+    Ok((line, size))
 }
 
 /// Makes room for a second page and pans to it and back, where the driver can; `false` and nothing changed where not.
