@@ -13,11 +13,7 @@ use rustix::{
     io::Errno,
     ioctl::{Getter, IntegerSetter, Setter, ioctl},
 };
-use signal_hook::{
-    SigId,
-    consts::{SIGUSR1, SIGUSR2},
-    flag, low_level,
-};
+use signal_hook::{SigId, flag, low_level};
 use std::{
     fmt,
     fs::{File, OpenOptions},
@@ -36,6 +32,7 @@ const VT_GETMODE: u32 = 0x5601;
 const VT_SETMODE: u32 = 0x5602;
 const VT_GETSTATE: u32 = 0x5603;
 const VT_RELDISP: u32 = 0x5605;
+const VT_ACTIVATE: u32 = 0x5606;
 
 const KD_TEXT: i32 = 0;
 const KD_GRAPHICS: i32 = 1;
@@ -43,6 +40,11 @@ const KD_GRAPHICS: i32 = 1;
 const VT_AUTO: i8 = 0;
 /// The kernel asks by a signal before it switches away, and tells by a signal when it has switched back.
 const VT_PROCESS: i8 = 1;
+/// The signals by which the kernel asks and tells: the first two of those without a meaning of their own. SIGUSR1 is for people.
+fn switch_signals() -> [i32; 2] {
+    [libc::SIGRTMIN(), libc::SIGRTMIN() + 1]
+}
+
 /// Arguments of `VT_RELDISP`: the console may be switched away; it has come back.
 const RELEASED: usize = 1;
 const ACQUIRED: usize = 2;
@@ -99,6 +101,12 @@ impl Terminal {
     fn set_vt_mode(&self, mode: VtMode) -> Result<(), Errno> {
         // SAFETY: VT_SETMODE reads a `struct vt_mode`.
         unsafe { ioctl(&self.file, Setter::<VT_SETMODE, VtMode>::new(mode)) }
+    }
+
+    /// Asks the kernel to switch to another console. It asks back by [`VT_PROCESS`] first.
+    fn activate(&self, number: u8) -> Result<(), Errno> {
+        // SAFETY: VT_ACTIVATE takes its argument by value and touches no memory.
+        unsafe { ioctl(&self.file, IntegerSetter::<VT_ACTIVATE>::new_usize(number.into())) }
     }
 
     fn answer(&self, answer: usize) {
@@ -187,13 +195,13 @@ impl Console {
         let (kd_mode, vt_mode) = (terminal.kd_mode()?, terminal.vt_mode()?);
         let (release, acquire) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
         let listen = |signal, flag: &Arc<AtomicBool>| flag::register(signal, Arc::clone(flag));
-        let signals = [listen(SIGUSR1, &release)?, listen(SIGUSR2, &acquire)?];
+        let [ask, tell] = switch_signals();
+        let signals = [listen(ask, &release)?, listen(tell, &acquire)?];
         let console = Self { release, acquire, signals, away: false };
         put_back_on_panic();
         let number = terminal.number;
         terminal.set_kd_mode(KD_GRAPHICS)?;
-        let asked =
-            VtMode { mode: VT_PROCESS, waitv: 0, relsig: SIGUSR1 as i16, acqsig: SIGUSR2 as i16, frsig: 0 };
+        let asked = VtMode { mode: VT_PROCESS, waitv: 0, relsig: ask as i16, acqsig: tell as i16, frsig: 0 };
         let switching = terminal.set_vt_mode(asked);
         *TAKEN.lock().unwrap_or_else(PoisonError::into_inner) =
             Some(Found { terminal, kd_mode, vt_mode, by: thread::current().id() });
@@ -280,6 +288,15 @@ impl<D: Shared> OnConsole<D> {
         let console = Console::take();
         let console = console.inspect_err(|error| log::debug!("the console is not taken: {error}")).ok();
         Self { display, console }
+    }
+
+    /// Switches to the console of that number, as Alt and a function key do where the kernel sees them.
+    pub(super) fn show_console(&self, number: u8) {
+        if let Some(found) = &*TAKEN.lock().unwrap_or_else(PoisonError::into_inner)
+            && let Err(error) = found.terminal.activate(number)
+        {
+            log::warn!("tty{number} cannot be switched to: {error}");
+        }
     }
 
     /// Fails while another console is seen.

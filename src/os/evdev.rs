@@ -5,6 +5,7 @@
 //! that is pulled out has its keys released.
 
 mod codes;
+mod consoles;
 mod device;
 mod held;
 
@@ -16,6 +17,7 @@ use crate::input::{
     key_map::KeyMap,
 };
 use ::evdev::KeyCode;
+use consoles::ConsoleKeys;
 use device::Device;
 use held::Holders;
 use rustix::time::{ClockId, clock_gettime};
@@ -49,6 +51,7 @@ pub struct Keyboards {
     passed_over: HashMap<Node, Passed>,
     denial_told: bool,
     holders: Holders,
+    consoles: ConsoleKeys,
     edges: Vec<Edge>,
     gestures: Gestures,
     dropped_told: u64,
@@ -88,6 +91,7 @@ impl Keyboards {
             passed_over: HashMap::new(),
             denial_told: false,
             holders: Holders::default(),
+            consoles: ConsoleKeys::default(),
             edges: Vec::new(),
             gestures: Gestures::new(KeyMap::default(), Gestures::DEBOUNCE),
             dropped_told: 0,
@@ -101,9 +105,15 @@ impl Keyboards {
         if !listening {
             self.devices.clear();
             self.holders = Holders::default();
+            self.consoles = ConsoleKeys::default();
             self.gestures.reset();
             self.look_due = Duration::ZERO;
         }
+    }
+
+    /// The text console that was asked for by Alt and a function key since the last time, where the kernel has not seen those.
+    pub fn console_asked(&mut self) -> Option<u8> {
+        self.consoles.asked().filter(|_| self.grab)
     }
 
     /// Takes in what has happened since the last time.
@@ -112,9 +122,9 @@ impl Keyboards {
             self.look_due = now() + LOOK_EVERY;
             self.look();
         }
-        let Self { codes, devices, passed_over, edges, .. } = self;
+        let Self { codes, devices, passed_over, consoles, edges, .. } = self;
         let grab = self.grab;
-        devices.retain_mut(|(node, device)| match device.poll(codes, grab, edges) {
+        devices.retain_mut(|(node, device)| match device.poll(codes, grab, consoles, edges) {
             Ok(()) => true,
             Err(error) => {
                 device.release(codes, edges);

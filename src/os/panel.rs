@@ -204,6 +204,17 @@ impl Panel {
         }
     }
 
+    /// Switches to the text console of that number, where the panel shares itself with consoles.
+    pub(super) fn show_console(&self, number: u8) {
+        match self {
+            #[cfg(feature = "kms")]
+            Self::Kms(kms) => kms.show_console(number),
+            #[cfg(feature = "linuxfb")]
+            Self::Fbdev(fbdev) => fbdev.show_console(number),
+            _ => log::debug!("there is no console {number} here"),
+        }
+    }
+
     /// Notes how late the frame was that was presented last.
     pub(super) fn note_lateness(&mut self, late: Duration) {
         match self {

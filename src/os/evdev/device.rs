@@ -2,6 +2,7 @@
 
 use super::{
     KeyCodes,
+    consoles::ConsoleKeys,
     held::{Held, Told},
     now,
 };
@@ -59,7 +60,13 @@ impl Device {
     }
 
     /// Adds the edges since the last time to `edges`; an error means that the device is gone.
-    pub(super) fn poll(&mut self, codes: &KeyCodes, grab: bool, edges: &mut Vec<Edge>) -> io::Result<()> {
+    pub(super) fn poll(
+        &mut self,
+        codes: &KeyCodes,
+        grab: bool,
+        consoles: &mut ConsoleKeys,
+        edges: &mut Vec<Edge>,
+    ) -> io::Result<()> {
         if grab && self.grabbing == Grabbing::Open {
             self.grab_at_rest()?;
         }
@@ -70,7 +77,8 @@ impl Device {
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
                 Err(error) => return Err(error),
             };
-            if self.held.take(events.filter_map(Told::of), codes, edges) {
+            let told = events.filter_map(Told::of).inspect(|&told| consoles.take(told));
+            if self.held.take(told, codes, edges) {
                 log::debug!("buttons: {self}: events were dropped");
                 let down = self.raw.get_key_state()?;
                 self.held.resynchronise(|code| down.contains(code), codes, now(), edges);
