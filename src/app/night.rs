@@ -76,6 +76,11 @@ impl Night {
         Self { schedule, scheduled: FULL, overruled: None, before: None }
     }
 
+    /// Follows another schedule from the next turn on. What overrules it goes on until that one's next edge.
+    pub fn follow(&mut self, schedule: config::night::Night) {
+        self.schedule = schedule;
+    }
+
     /// The level now, at the minute `now` (0..1440) of the local day; `None` if nobody knows what time it is: then everything stays as it is.
     pub fn turn(&mut self, now: Option<u16>) -> Level {
         if let Some(now) = now {

@@ -87,6 +87,21 @@ impl Show {
         }
     }
 
+    /// Goes on with another oscillation at another rate. What the buttons have chosen stays.
+    pub fn change(&mut self, settings: drive::Settings, frames_per_second: u32, seed: u64) {
+        let chosen = self.noises();
+        let Self { state, noises, frame, brightness, rotation, .. } = *self;
+        *self = Self {
+            state,
+            noises,
+            frame,
+            brightness,
+            rotation,
+            ..Self::new(settings, frames_per_second, seed)
+        };
+        self.take_up(chosen.0, chosen.1);
+    }
+
     /// What is written on the picture stands upright on a panel that is mounted by `rotation`.
     pub const fn set_rotation(&mut self, rotation: Rotation) {
         self.rotation = rotation;

@@ -24,7 +24,7 @@ pub enum Request {
     Sleep,
     /// Never show this photo again.
     Hide,
-    /// Try again what could not be shown.
+    /// Read the configuration anew, and try again what could not be shown.
     Reload,
     /// End the program.
     Quit,

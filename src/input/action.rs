@@ -24,7 +24,7 @@ pub enum Action {
     Hide,
     /// Write the photo's name and the noises on the picture, or no longer.
     Information,
-    /// Try again what could not be shown.
+    /// Read the configuration anew, and try again what could not be shown.
     Reload,
     /// End the program.
     Quit,

@@ -8,7 +8,7 @@ use super::{
     state::{Memory, State, default_folder},
 };
 use crate::{
-    app::playlist::{CAPACITY, PhotoId, Playlist, Slot},
+    app::playlist::{CAPACITY, PhotoId, Playlist, Slot, Snapshot},
     noise::Kind,
 };
 use std::{collections::HashSet, env, path::PathBuf, time::Duration};
@@ -25,6 +25,7 @@ pub(super) struct Album {
     library: Option<Library>,
     playlist: Playlist<Vec<Slot>>,
     memory: Option<Memory>,
+    hidden: Vec<PhotoId>,
     /// Photos that could not be shown as they are.
     bad: HashSet<PhotoId>,
     /// Photos in a row that could not be shown.
@@ -53,31 +54,44 @@ impl Album {
             Some((memory, state)) => (Some(memory), state),
             None => (None, None),
         };
-        let slots = vec![Slot::EMPTY; CAPACITY];
-        let mut playlist = match &state {
-            Some(state) => Playlist::restore(slots, config.order, config.seed, &state.playlist),
-            None => Playlist::new(slots, config.order, config.seed),
-        };
-        for path in memory.iter().flat_map(Memory::hidden) {
-            playlist.hide(photo_id(path));
-        }
-        let library = (!config.photos.is_empty()).then(|| Library::watch(&config.photos, config.order));
+        let hidden = memory.iter().flat_map(Memory::hidden).map(|path| photo_id(path)).collect();
         let mut album = Self {
-            library,
-            playlist,
+            library: None,
+            playlist: Playlist::new(Vec::new(), config.order, config.seed),
             memory,
+            hidden,
             bad: HashSet::new(),
             bad_in_a_row: 0,
             last_failure: String::new(),
-            folders: config.photos.clone(),
+            folders: Vec::new(),
         };
-        album.update();
+        album.gather(config, state.as_ref().map(|state| &state.playlist));
         if album.playlist.is_empty() && typed {
             let line =
                 "there is no photo in these folders; JPEG, PNG, WebP, GIF, BMP and TIFF files are shown";
             return Err(Failure::new(line));
         }
         Ok((album, state))
+    }
+
+    /// The photos are those that `config` names from now on, in the order that it says; what was shown stays known.
+    pub(super) fn change(&mut self, config: &Config) {
+        let snapshot = self.playlist.snapshot();
+        self.gather(config, Some(&snapshot));
+    }
+
+    fn gather(&mut self, config: &Config, before: Option<&Snapshot>) {
+        let slots = vec![Slot::EMPTY; CAPACITY];
+        self.playlist = match before {
+            Some(before) => Playlist::restore(slots, config.order, config.seed, before),
+            None => Playlist::new(slots, config.order, config.seed),
+        };
+        for &id in &self.hidden {
+            self.playlist.hide(id);
+        }
+        self.folders.clone_from(&config.photos);
+        self.library = (!config.photos.is_empty()).then(|| Library::watch(&config.photos, config.order));
+        self.update();
     }
 
     fn update(&mut self) {
@@ -90,19 +104,19 @@ impl Album {
         }
     }
 
-    /// Looks whether photos have come, gone or changed.
-    pub(super) fn look(&mut self) {
-        if let Some(news) = self.library.as_mut().and_then(Library::news) {
-            news.changed.iter().for_each(|id| {
-                self.bad.remove(id);
-            });
-            self.bad_in_a_row = 0;
-            self.update();
-        }
+    /// Looks whether photos have come, gone or changed, and gives those that have changed.
+    pub(super) fn look(&mut self) -> Vec<PhotoId> {
+        let Some(news) = self.library.as_mut().and_then(Library::news) else { return Vec::new() };
+        news.changed.iter().for_each(|id| {
+            self.bad.remove(id);
+        });
+        self.bad_in_a_row = 0;
+        self.update();
+        news.changed
     }
 
-    /// Tries again what could not be shown; folders are watched anyway.
-    pub(super) fn reload(&mut self) {
+    /// Tries again what could not be shown.
+    pub(super) fn retry(&mut self) {
         self.bad.clear();
         self.bad_in_a_row = 0;
     }
@@ -193,6 +207,7 @@ impl Album {
         if let Some(path) = path {
             log::info!("{}: hidden {kept}", path.display());
         }
+        self.hidden.push(id);
         self.playlist.hide(id);
     }
 

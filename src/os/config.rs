@@ -10,6 +10,7 @@ use super::{
     args::{self, DisplayChoice, MaskChoice},
     board, config_file,
     document::{ConfigError, read_text},
+    local_time::Trust,
     photo::Fit,
     sidecar,
 };
@@ -58,6 +59,8 @@ pub struct Config {
     pub keys: KeyCodes,
     /// When the panel is dimmed or off.
     pub night: Night,
+    /// When the time of the day is known.
+    pub clock: Trust,
     /// The most memory that the file of a photo and its decoding may take, in bytes.
     pub memory_ceiling_bytes: u64,
     /// What is logged.
@@ -112,6 +115,7 @@ impl Default for Config {
             #[cfg(target_os = "linux")]
             keys: KeyCodes::default(),
             night: Night::default(),
+            clock: Trust::default(),
             memory_ceiling_bytes: super::photo::Limits::default().bytes,
             log: LevelFilter::Info,
         }

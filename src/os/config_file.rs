@@ -130,6 +130,7 @@ fn night(document: &mut Document<'_>, config: &mut Config) {
     document
         .read_list(("night", "times"), |value| night.insert(word(value)?).map_err(|error| error.to_string()));
     document.read(("night", "zone"), &mut night.zone, word::<Zone>);
+    document.read(("night", "clock"), &mut config.clock, word);
 }
 
 /// A path, which starts from `folder` if it is not absolute.

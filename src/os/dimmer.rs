@@ -40,12 +40,23 @@ impl Dimmer {
         let backlight = lights.filter(|light| light.has_levels() && light.is_writable()).find(named);
         Ok(Self {
             night: Night::new(config.night.clone()),
-            clock: LocalTime::new(&config.night.zone, Default::default())?,
+            clock: LocalTime::new(&config.night.zone, config.clock)?,
             look_due: Duration::ZERO,
             backlight: backlight.filter(|_| bare),
             level: FULL,
             shown: false,
         })
+    }
+
+    /// Follows the schedule and the clock of another `config`; the backlight stays the one that was found at the start.
+    ///
+    /// # Errors
+    /// A time zone that the system does not know: nothing has changed then.
+    pub(super) fn change(&mut self, config: &Config) -> Result<(), Failure> {
+        self.clock = LocalTime::new(&config.night.zone, config.clock)?.after(&self.clock);
+        self.night.follow(config.night.clone());
+        self.look_due = Duration::ZERO;
+        Ok(())
     }
 
     /// Looks at the clock, when it is time to, and brings the panel to the level that holds: by its backlight, its power, or by the

@@ -1,7 +1,7 @@
-//! Ctrl-C and other requests to end, as a flag that long work looks at between frames.
+//! Ctrl-C and other requests from outside, as flags that long work looks at between frames.
 
 use signal_hook::{
-    consts::{SIGHUP, SIGINT, SIGTERM},
+    consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1},
     flag,
 };
 use std::{
@@ -36,6 +36,29 @@ impl Interrupt {
     /// Whether the work should end.
     pub fn requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// SIGUSR1, by which `systemctl reload` asks to read the configuration anew. SIGHUP cannot be it: that is how a terminal says that it
+/// has gone, and the program must end then.
+#[derive(Clone, Debug)]
+pub struct ReloadRequest(Arc<AtomicBool>);
+
+impl ReloadRequest {
+    /// Listens from now on.
+    ///
+    /// # Errors
+    ///
+    /// Those of `sigaction`; no known system has any.
+    pub fn install() -> io::Result<Self> {
+        let requested = Arc::new(AtomicBool::new(false));
+        flag::register(SIGUSR1, Arc::clone(&requested))?;
+        Ok(Self(requested))
+    }
+
+    /// Whether it was asked for since the last time.
+    pub fn take(&self) -> bool {
+        self.0.swap(false, Ordering::Relaxed)
     }
 }
 

@@ -15,7 +15,7 @@ use std::{
     path::PathBuf,
     sync::{
         Arc,
-        mpsc::{Receiver, Sender, TryRecvError, channel},
+        mpsc::{Receiver, Sender, channel},
     },
     thread,
 };
@@ -31,6 +31,8 @@ pub(super) struct Living {
     pub(super) drive: drive::Settings,
     /// How long it is to be shown.
     pub(super) seconds: u32,
+    /// It, or how it is to be shown, has changed since.
+    pub(super) stale: bool,
 }
 
 /// A photo to be loaded.
@@ -40,6 +42,7 @@ struct Order {
     path: Option<PathBuf>,
     size: Size,
     storage: Vec<u64>,
+    config: Arc<Config>,
 }
 
 /// What has become of an order.
@@ -49,7 +52,10 @@ pub(super) type Outcome = (PhotoId, Result<Living, Failure>);
 pub(super) struct Loader {
     orders: Sender<Order>,
     outcomes: Receiver<Outcome>,
-    busy: bool,
+    /// What is being worked at.
+    at: Option<PhotoId>,
+    /// What comes of it is of no use.
+    cancelled: bool,
     /// Memory of photos that are no longer shown.
     spare: Vec<Vec<u64>>,
 }
@@ -62,7 +68,7 @@ impl Loader {
     ///
     /// # Errors
     /// If the system gives no thread.
-    pub(super) fn start(config: Arc<Config>) -> Result<Self, Failure> {
+    pub(super) fn start() -> Result<Self, Failure> {
         let (orders, inbox) = channel::<Order>();
         let (outbox, outcomes) = channel();
         let work = move || {
@@ -70,35 +76,43 @@ impl Loader {
             let _ = rustix::process::nice(NICE);
             for order in inbox {
                 let id = order.id;
-                if outbox.send((id, load(order, &config))).is_err() {
+                if outbox.send((id, load(order))).is_err() {
                     break;
                 }
             }
         };
         thread::Builder::new().name("loader".into()).spawn(work)?;
-        Ok(Self { orders, outcomes, busy: false, spare: Vec::new() })
+        Ok(Self { orders, outcomes, at: None, cancelled: false, spare: Vec::new() })
     }
 
     /// Whether an order is being worked at.
     pub(super) const fn is_busy(&self) -> bool {
-        self.busy
+        self.at.is_some()
     }
 
-    /// Orders a photo for a panel of `size`; without a path, the demo photo.
-    pub(super) fn order(&mut self, id: PhotoId, path: Option<PathBuf>, size: Size) {
-        let storage = self.spare.pop().unwrap_or_default();
-        self.busy = self.orders.send(Order { id, path, size, storage }).is_ok();
+    /// Orders a photo for a panel of `size`, as `config` says; without a path, the demo photo.
+    pub(super) fn order(&mut self, id: PhotoId, path: Option<PathBuf>, size: Size, config: &Arc<Config>) {
+        let (storage, config) = (self.spare.pop().unwrap_or_default(), Arc::clone(config));
+        self.at = self.orders.send(Order { id, path, size, storage, config }).is_ok().then_some(id);
+        self.cancelled = false;
+    }
+
+    /// Gives up what is being worked at, if it `concerns` that.
+    pub(super) fn cancel(&mut self, concerns: impl Fn(PhotoId) -> bool) {
+        self.cancelled |= self.at.is_some_and(concerns);
     }
 
     /// The photo that was ordered, once it is there; does not wait.
     pub(super) fn take(&mut self) -> Option<Outcome> {
-        match self.outcomes.try_recv() {
-            Ok(outcome) => {
-                self.busy = false;
-                Some(outcome)
-            }
-            Err(TryRecvError::Empty | TryRecvError::Disconnected) => None,
+        let Ok(outcome) = self.outcomes.try_recv() else { return None };
+        self.at = None;
+        if !self.cancelled {
+            return Some(outcome);
         }
+        if let (_, Ok(living)) = outcome {
+            self.recycle(living);
+        }
+        None
     }
 
     /// Takes the memory of a photo that is no longer shown.
@@ -110,10 +124,10 @@ impl Loader {
     }
 }
 
-fn load(order: Order, config: &Config) -> Result<Living, Failure> {
-    let Order { id, path, size, mut storage } = order;
+fn load(order: Order) -> Result<Living, Failure> {
+    let Order { id, path, size, mut storage, config } = order;
     let source = path.as_deref().map_or(Source::Demo, Source::File);
-    let scene = Scene::load(source, size, config)?;
+    let scene = Scene::load(source, size, &config)?;
     let life = scene::turned(scene.look().life.at(config.frames_per_second), config.rotation);
     storage.resize(storage_len(size), 0);
     Ok(Living {
@@ -123,5 +137,6 @@ fn load(order: Order, config: &Config) -> Result<Living, Failure> {
         shimmer: Shimmer::prepare(scene.photo(), &life.shimmer, storage)?,
         drive: life.drive,
         seconds: scene.look().seconds,
+        stale: false,
     })
 }

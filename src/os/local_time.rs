@@ -24,6 +24,8 @@ pub enum Trust {
     AsItIs,
 }
 
+named!(Trust, "clock", Synchronised = "synchronised", AsItIs = "as-it-is");
+
 /// The system's clock in a time zone.
 #[derive(Clone, Debug)]
 pub struct LocalTime {
@@ -72,6 +74,13 @@ impl LocalTime {
             }),
         };
         Ok(Self { zone, set: trust == Trust::AsItIs })
+    }
+
+    /// The same clock in another zone: what `before` knew of it stays known.
+    #[must_use]
+    pub(super) fn after(mut self, before: &Self) -> Self {
+        self.set |= before.set;
+        self
     }
 
     /// The minute of the local day now, 0..1440; `None` while the clock is not known to be set. Costs three system calls at the most.

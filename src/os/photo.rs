@@ -25,6 +25,7 @@ mod mask;
 
 pub use error::{Fault, PhotoError};
 pub use fit::{Fit, UnknownFit};
+pub(super) use folder::{Found, find};
 pub use folder::{list, list_telling};
 pub use mask::{load_mask, mask_from_bytes, mask_path};
 

@@ -7,18 +7,22 @@ use super::{
     config::Config,
     dimmer::Dimmer,
     evdev::Keyboards,
-    interrupt::Interrupt,
+    interrupt::{Interrupt, ReloadRequest},
     loader::{Living, Loader},
     panel::Panel,
     render, set_log_level,
     stdout::print_line,
 };
 use crate::{
-    app::{Request, Show, pace::Pace, playlist::Dwell},
+    app::{
+        Request, Show,
+        pace::Pace,
+        playlist::{Dwell, PhotoId},
+    },
     display::{Display, DisplayError},
     frame::Size,
     input::{Buttons, script::Script},
-    noise::Kind,
+    noise::{Kind, drive},
 };
 use clap::Parser;
 use std::{
@@ -54,7 +58,9 @@ pub(super) fn run(args: &args::Run) -> Result<(), Failure> {
     let refused = |error| Failure::new(format!("{}: {error}", path.unwrap_or(Path::new("")).display()));
     let mut script = Script::parse(&text).map_err(refused)?;
     let panel = Panel::open(&config.display, config.frames_per_second)?;
-    Running::new(config, args, panel)?.show(&mut script)
+    let mut running = Running::new(config, args, panel)?;
+    running.args = Some(args.clone());
+    running.show(&mut script)
 }
 
 /// The most bytes of a script: a press a second for a week would fit.
@@ -79,6 +85,8 @@ const IDLE_WAIT: Duration = Duration::from_millis(100);
 /// A show: the photos, what is shown of them, and where.
 struct Running {
     config: Arc<Config>,
+    /// What the configuration is made of; `None` where none was asked for.
+    args: Option<args::Run>,
     panel: Panel,
     keyboards: Option<Keyboards>,
     album: Album,
@@ -87,6 +95,8 @@ struct Running {
     show: Show,
     clock: Instant,
     interrupt: Interrupt,
+    reload: ReloadRequest,
+    pace: Pace,
     /// End after so many frames.
     frames: Option<u64>,
     current: Option<Living>,
@@ -103,7 +113,7 @@ impl Running {
         // A program that somebody starts by hand begins afresh; a frame goes on.
         let remembers = panel.is_bare() || env::var_os("STATE_DIRECTORY").is_some();
         let (album, state) = Album::open(&config, typed, remembers)?;
-        let drive = config.plain_look().life.at(config.frames_per_second).drive;
+        let drive = plain_drive(&config);
         let mut show = Show::new(drive, config.frames_per_second, config.seed);
         if let Some(state) = state {
             let kind = |chosen: Option<Kind>, configured| chosen.unwrap_or(configured);
@@ -116,10 +126,11 @@ impl Running {
             keyboards.set_keys(config.actions);
         }
         let dimmer = Dimmer::new(&config, panel.is_bare())?;
-        let config = Arc::new(config);
         Ok(Self {
-            loader: Loader::start(Arc::clone(&config))?,
-            config,
+            loader: Loader::start()?,
+            pace: Pace::new(config.frames_per_second, Duration::ZERO),
+            config: Arc::new(config),
+            args: None,
             panel,
             keyboards,
             album,
@@ -127,6 +138,7 @@ impl Running {
             show,
             clock: Instant::now(),
             interrupt: Interrupt::install()?,
+            reload: ReloadRequest::install()?,
             frames: args.frames,
             current: None,
             leaving: None,
@@ -138,9 +150,13 @@ impl Running {
 
     /// Shows photos until somebody ends it.
     fn show(mut self, script: &mut Script<'_>) -> Result<(), Failure> {
-        let mut pace = self.pace();
+        self.start_pace();
         while !self.interrupt.requested() && self.frames.is_none_or(|frames| self.show.frame() < frames) {
-            self.album.look();
+            let changed = self.album.look();
+            self.renew(|id| changed.contains(&id));
+            if self.reload.take() {
+                self.reload();
+            }
             self.supply()?;
             if self.take_presses(script) {
                 break;
@@ -149,23 +165,23 @@ impl Running {
             self.show.set_brightness(brightness);
             match self.turn() {
                 Ok(true) => {
-                    self.panel.note_lateness(self.clock.elapsed().saturating_sub(pace.deadline()));
-                    pace.shown(self.clock.elapsed());
-                    sleep(pace.deadline().saturating_sub(self.clock.elapsed()));
+                    self.panel.note_lateness(self.clock.elapsed().saturating_sub(self.pace.deadline()));
+                    self.pace.shown(self.clock.elapsed());
+                    sleep(self.pace.deadline().saturating_sub(self.clock.elapsed()));
                     continue;
                 }
                 Ok(false) | Err(DisplayError::Lost) => sleep(IDLE_WAIT),
                 Err(DisplayError::Closed) => break,
                 Err(DisplayError::ModeChanged) => self.drop_photos(),
             }
-            pace = self.pace();
+            self.start_pace();
         }
         self.album.remember(self.clock.elapsed(), self.show.noises(), true);
         self.panel.report().map_or(Ok(()), print_line)
     }
 
-    fn pace(&self) -> Pace {
-        Pace::new(self.config.frames_per_second, self.clock.elapsed())
+    fn start_pace(&mut self) {
+        self.pace = Pace::new(self.config.frames_per_second, self.clock.elapsed());
     }
 
     /// Presents a frame, if there is anything to be seen, and tells so.
@@ -218,14 +234,16 @@ impl Running {
             Some((_, Ok(living))) if living.size == size => self.next = Some(living),
             Some((_, Ok(living))) => self.loader.recycle(living),
             // The only photo that somebody has asked for.
-            Some((_, Err(failure))) if self.typed && !self.album.goes_on() => return Err(failure),
+            Some((_, Err(failure))) if self.typed && !self.album.goes_on() && self.current.is_none() => {
+                return Err(failure);
+            }
             Some((id, Err(failure))) => {
                 self.album.fails(id, &failure);
             }
             None => {}
         }
         let Some(wanted) = self.album.current() else { return self.give_up() };
-        let shown = self.current.as_ref().map(|living| living.id);
+        let shown = self.current.as_ref().filter(|living| !living.stale).map(|living| living.id);
         if shown == Some(wanted) {
             if self.next.is_none() && self.leaving.is_none() && !self.loader.is_busy() {
                 self.order_upcoming(size);
@@ -236,14 +254,14 @@ impl Running {
             if let Some(other) = self.next.take() {
                 self.loader.recycle(other);
             }
-            self.loader.order(wanted, self.album.path(wanted), size);
+            self.loader.order(wanted, self.album.path(wanted), size, &self.config);
         }
         Ok(())
     }
 
     fn order_upcoming(&mut self, size: Size) {
         if let Some(upcoming) = self.album.upcoming() {
-            self.loader.order(upcoming, self.album.path(upcoming), size);
+            self.loader.order(upcoming, self.album.path(upcoming), size, &self.config);
         }
     }
 
@@ -264,9 +282,72 @@ impl Running {
         }
     }
 
+    /// Whatever of the photos `concerns` is loaded anew, while what is shown goes on.
+    fn renew(&mut self, concerns: impl Fn(PhotoId) -> bool) {
+        if let Some(current) = &mut self.current {
+            current.stale |= concerns(current.id);
+        }
+        if let Some(next) = self.next.take_if(|next| concerns(next.id)) {
+            self.loader.recycle(next);
+        }
+        self.loader.cancel(concerns);
+    }
+
+    /// Reads the configuration anew, and tries again what could not be shown. A configuration with a mistake changes nothing.
+    fn reload(&mut self) {
+        if let Some(args) = &self.args {
+            match Config::resolve(args).map_err(Failure::from).and_then(|config| self.change(config)) {
+                Ok(()) => log::info!("the configuration was read anew"),
+                Err(failure) => {
+                    failure.to_string().lines().for_each(|line| log::warn!("{line}"));
+                    log::warn!("the configuration stays as it was");
+                }
+            }
+        }
+        self.album.retry();
+        self.renew(|_| true);
+    }
+
+    /// Goes on with another configuration. If it fails, nothing has changed.
+    fn change(&mut self, config: Config) -> Result<(), Failure> {
+        self.dimmer.change(&config)?;
+        let before = std::mem::replace(&mut self.config, Arc::new(config));
+        let config = Arc::clone(&self.config);
+        set_log_level(config.log);
+        let fixed = [
+            ("output", before.display != config.display),
+            ("backlight", before.backlight != config.backlight),
+        ];
+        for (key, _) in fixed.iter().filter(|(_, differs)| *differs) {
+            log::warn!("display.{key}: takes effect at the next start");
+        }
+        self.panel.set_keys(config.actions);
+        if let Some(keyboards) = &mut self.keyboards {
+            if before.keys != config.keys {
+                *keyboards = Keyboards::new(config.keys.clone(), true);
+            }
+            keyboards.set_keys(config.actions);
+        }
+        let oscillation = |config: &Config| (plain_drive(config), config.frames_per_second, config.seed);
+        if oscillation(&before) != oscillation(&config) {
+            let (drive, frames_per_second, seed) = oscillation(&config);
+            self.show.change(drive, frames_per_second, seed);
+            self.start_pace();
+        }
+        if before.rotation != config.rotation {
+            self.show.set_rotation(config.rotation);
+            self.drop_photos();
+        }
+        if (&before.photos, before.order) != (&config.photos, config.order) {
+            self.album.change(&config);
+        }
+        Ok(())
+    }
+
     /// The panel has another size: nothing that was prepared fits.
     fn drop_photos(&mut self) {
         (self.current, self.leaving, self.next) = (None, None, None);
+        self.loader.cancel(|_| true);
         self.show.restart();
     }
 
@@ -287,7 +368,7 @@ impl Running {
             let Some(press) =
                 keyboards.or_else(|| script.next_press(frame)).or_else(|| self.panel.next_press(frame))
             else {
-                return false;
+                break;
             };
             let Some(action) = self.config.actions.action(press) else { continue };
             if self.dimmer.wake() {
@@ -299,6 +380,10 @@ impl Running {
                 None => {}
             }
         }
+        if let Some(number) = self.keyboards.as_mut().and_then(Keyboards::console_asked) {
+            self.panel.show_console(number);
+        }
+        false
     }
 
     fn answer(&mut self, request: Request) {
@@ -316,8 +401,13 @@ impl Running {
                     self.drop_photos();
                 }
             }
-            Request::Reload => self.album.reload(),
+            Request::Reload => self.reload(),
             Request::Quit => {}
         }
     }
+}
+
+/// What drives a photo of which nothing else is said.
+fn plain_drive(config: &Config) -> drive::Settings {
+    config.plain_look().life.at(config.frames_per_second).drive
 }

@@ -13,9 +13,14 @@ use std::{
 /// The sidecar of the photo at `photo`, if there is one. As with masks, `lake.jpg.toml` goes before `lake.toml`, which also serves
 /// a `lake.png`.
 pub fn path(photo: &Path) -> Option<PathBuf> {
+    paths(photo).into_iter().find(|path| path.exists())
+}
+
+/// Where the sidecar of the photo at `photo` may be, that which goes before first.
+pub(super) fn paths(photo: &Path) -> [PathBuf; 2] {
     let mut longer = OsString::from(photo);
     longer.push(".toml");
-    [PathBuf::from(longer), photo.with_extension("toml")].into_iter().find(|path| path.exists())
+    [longer.into(), photo.with_extension("toml")]
 }
 
 /// What the sidecar of the photo at `photo` makes of `look`; `None` where there is no sidecar.

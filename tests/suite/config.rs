@@ -27,6 +27,7 @@ use yurameki::{
         config::{Config, Look},
         config_file::{self, DEFAULT},
         evdev::KeyCodes,
+        local_time::Trust,
         photo::Fit,
         sidecar,
     },
@@ -68,6 +69,7 @@ KEY_PLAYPAUSE = "space"
 [night]
 times = ["23:00 off", "07:00 100%", "21:30 40%"]
 zone = "Asia/Tokyo"
+clock = "as-it-is"
 [memory]
 ceiling = 64
 [log]
@@ -224,6 +226,7 @@ fn every_key_does_what_it_says() {
     let edges: Vec<_> = config.night.edges().iter().map(|edge| (edge.minute, edge.level)).collect();
     assert_eq!(edges, [(420, Level::Percent(100)), (1290, Level::Percent(40)), (1380, Level::Off)]);
     assert!(matches!(config.night.zone, Zone::Named(name) if name == "Asia/Tokyo"));
+    assert_eq!(config.clock, Trust::AsItIs);
     assert_eq!((config.memory_ceiling_bytes, config.log), (64 << 20, log::LevelFilter::Debug));
 }
 
@@ -294,6 +297,11 @@ fn a_wrong_value_is_told_with_its_place_and_what_is_needed() {
         ("[night]\ntimes = [\"7:00 1%\", \"07:00 2%\"]", (2, 21), "times: this time is in the list already"),
         ("[night]\ntimes = [\"25:00 1%\"]", (2, 10), "times: a time of day"),
         ("[night]\ntimes = [07:00:00]", (2, 10), "times: a text in quotes is needed; this is a date or time"),
+        (
+            "[night]\nclock = \"now\"",
+            (2, 9),
+            "clock: unknown clock; the known ones are synchronised, as-it-is",
+        ),
         ("[night]\nzone = \"../../etc/passwd\"", (2, 8), "zone: local or the name of a time zone"),
         ("[memory]\nceiling = 1", (2, 11), "ceiling: a whole number from 16 to 65536 is needed"),
         ("[log]\nlevel = \"loud\"", (2, 9), "level: unknown level; the known ones are off, error"),

@@ -6,7 +6,7 @@
 //! machines make). What is being copied is taken when it has not changed for two seconds. A folder that is not there is
 //! waited for.
 //!
-//! Memory: the path of every photo and some words. Cost of a look: one `stat` for every photo, and, in the order of dates, 256 KiB read of each
+//! Memory: the path of every photo and some words. A mask or a sidecar that changes is a change of its photo. Cost of a look: one `stat` for every photo, mask and sidecar, and, in the order of dates, 256 KiB read of each
 //! that is new. The pause between two looks is at least four times as long as a look takes.
 
 mod scan;

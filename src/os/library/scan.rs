@@ -1,11 +1,16 @@
 //! What photos there are, told from what there were.
 
 use super::{photo_id, taken::date_taken};
-use crate::{app::playlist::PhotoId, config::Order, os::photo};
+use crate::{
+    app::playlist::PhotoId,
+    config::Order,
+    os::photo::{self, Found},
+};
 use jiff::{Timestamp, tz::TimeZone};
 use std::{
     collections::{HashMap, HashSet},
     fs,
+    hash::{DefaultHasher, Hash, Hasher},
     path::{Path, PathBuf},
     sync::Arc,
     time::{Duration, SystemTime},
@@ -29,6 +34,8 @@ pub(super) struct Listing {
 struct Stamp {
     len: u64,
     modified: Option<SystemTime>,
+    /// The same of its mask and its sidecar, as a hash.
+    companions: u64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -72,10 +79,12 @@ impl Scanner {
     /// The photos there are now. At the first scan all are taken as they are, so that the show can begin; those that are found half
     /// copied are taken as changed when they are whole.
     pub(super) fn scan(&mut self, now: Duration) -> Listing {
-        let mut files = self.files();
+        let (mut files, found) = self.files();
         let mut seen = HashSet::with_capacity(files.len());
         let mut listing = Listing::default();
-        files.retain(|path| seen.insert(Arc::clone(path)) && self.look(path, now, &mut listing.changed));
+        files.retain(|path| {
+            seen.insert(Arc::clone(path)) && self.look(path, &found, now, &mut listing.changed)
+        });
         self.known.retain(|path, _| seen.contains(path));
         self.settling.retain(|path, _| seen.contains(path));
         self.scanned = true;
@@ -88,9 +97,9 @@ impl Scanner {
         listing
     }
 
-    /// The files of all folders that are there.
-    fn files(&mut self) -> Vec<Arc<Path>> {
-        let (mut files, mut told) = (Vec::new(), HashSet::new());
+    /// The photos of all folders that are there, and what was found in each.
+    fn files(&mut self) -> (Vec<Arc<Path>>, Vec<Found>) {
+        let (mut files, mut all, mut told) = (Vec::new(), Vec::new(), HashSet::new());
         let mut tell = |line: String| {
             if !self.told.contains(&line) {
                 log::warn!("{line}");
@@ -98,20 +107,24 @@ impl Scanner {
             told.insert(line);
         };
         for root in &self.roots {
-            match photo::list_telling([root], &mut |error| tell(format!("skipped: {error}"))) {
-                Ok(paths) => files.extend(paths.into_iter().map(Arc::from)),
+            match photo::find([root], &mut |error| tell(format!("skipped: {error}"))) {
+                Ok(mut found) => {
+                    files.extend(found.photos.drain(..).map(Arc::from));
+                    all.push(found);
+                }
                 Err(error) => tell(format!("{error}; waiting for it")),
             }
         }
         self.told = told;
-        files
+        (files, all)
     }
 
     /// Whether the file at `path` is a photo to be shown.
-    fn look(&mut self, path: &Arc<Path>, now: Duration, changed: &mut Vec<PhotoId>) -> bool {
+    fn look(&mut self, path: &Arc<Path>, found: &[Found], now: Duration, changed: &mut Vec<PhotoId>) -> bool {
         // It may be gone since it was listed.
         let Ok(metadata) = fs::metadata(path) else { return false };
-        let stamp = Stamp { len: metadata.len(), modified: metadata.modified().ok() };
+        let companions = hash(found.iter().flat_map(|found| found.companions(path)));
+        let stamp = Stamp { len: metadata.len(), modified: metadata.modified().ok(), companions };
         let known = self.known.get(path).copied();
         if known.is_some_and(|known| known.stamp == stamp) {
             self.settling.remove(path);
@@ -144,6 +157,17 @@ impl Scanner {
             }
         }
     }
+}
+
+/// The names, lengths and times of files, as one number.
+fn hash<'a>(files: impl Iterator<Item = &'a PathBuf>) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    for path in files {
+        let metadata = fs::metadata(path).ok();
+        let content = metadata.map(|metadata| (metadata.len(), metadata.modified().ok()));
+        (path, content).hash(&mut hasher);
+    }
+    hasher.finish()
 }
 
 /// When the photo was taken, else when its file was written.
@@ -197,6 +221,41 @@ mod tests {
         assert!(scanner.scan(SECOND * 4).changed.is_empty());
         fs::remove_file(&photo).unwrap();
         assert!(scanner.scan(SECOND * 5).photos.is_empty());
+    }
+
+    #[test]
+    fn a_mask_or_a_sidecar_that_comes_changes_or_goes_is_a_change_of_its_photo() {
+        let folder = tempfile::tempdir().unwrap();
+        let [photo, other] = ["a.jpg", "b.jpg"].map(|name| folder.path().join(name));
+        for path in [&photo, &other] {
+            fs::write(path, "x").unwrap();
+        }
+        let alone = Scanner::new(vec![photo.clone()], Order::Name);
+        for mut scanner in [Scanner::new(vec![folder.path().to_owned()], Order::Name), alone] {
+            let mut clock = Duration::ZERO;
+            let mut changed = || {
+                scanner.scan(clock);
+                clock += SECOND * 3;
+                let changed = scanner.scan(clock).changed;
+                clock += SECOND * 3;
+                changed
+            };
+            assert_eq!(changed(), []);
+            for name in ["a.jpg.mask.png", "a.mask.png", "a.jpg.toml", "a.toml"] {
+                let path = folder.path().join(name);
+                fs::write(&path, "half").unwrap();
+                assert_eq!(changed(), [photo_id(&photo)], "{name} has come");
+                fs::write(&path, "the whole").unwrap();
+                assert_eq!(changed(), [photo_id(&photo)], "{name} has changed");
+                fs::remove_file(&path).unwrap();
+                assert_eq!(changed(), [photo_id(&photo)], "{name} has gone");
+                assert_eq!(changed(), [], "{name}");
+            }
+            for name in ["c.toml", "notes.txt"] {
+                fs::write(folder.path().join(name), "x").unwrap();
+                assert_eq!(changed(), [], "{name}");
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,11 @@
 //! The photos of folders.
 
-use super::{PhotoError, file::from_io, mask::MASK_SUFFIX};
+use super::{
+    PhotoError,
+    file::from_io,
+    mask::{MASK_SUFFIX, mask_paths},
+};
+use crate::os::sidecar;
 use std::{
     cmp::Ordering,
     collections::HashSet,
@@ -38,17 +43,47 @@ pub fn list_telling<P: AsRef<Path>>(
     paths: impl IntoIterator<Item = P>,
     tell: &mut dyn FnMut(PhotoError),
 ) -> Result<Vec<PathBuf>, PhotoError> {
-    let mut photos = Vec::new();
+    Ok(find(paths, tell)?.photos)
+}
+
+/// What there is at some paths.
+#[derive(Debug, Default)]
+pub(in crate::os) struct Found {
+    /// The photos, as [`list`] gives them.
+    pub(in crate::os) photos: Vec<PathBuf>,
+    /// Masks and sidecars, whether there is a photo that they belong to or not.
+    companions: HashSet<PathBuf>,
+}
+
+impl Found {
+    /// The mask and the sidecar of the photo at `path`, those of them that there are.
+    pub(in crate::os) fn companions(&self, path: &Path) -> impl Iterator<Item = &PathBuf> {
+        let possible = mask_paths(path).into_iter().chain(sidecar::paths(path));
+        possible.filter_map(|path| self.companions.get(&path))
+    }
+}
+
+/// As [`list_telling`], with masks and sidecars.
+///
+/// # Errors
+/// As [`list`].
+pub(in crate::os) fn find<P: AsRef<Path>>(
+    paths: impl IntoIterator<Item = P>,
+    tell: &mut dyn FnMut(PhotoError),
+) -> Result<Found, PhotoError> {
+    let mut all = Found::default();
     let mut seen = HashSet::new();
     for path in paths {
         let path = path.as_ref();
         let named = |fault| PhotoError::new(&path.to_string_lossy(), fault);
         let metadata = fs::metadata(path).map_err(from_io).map_err(named)?;
         if !metadata.is_dir() {
-            photos.push(path.to_owned());
+            let possible = mask_paths(path).into_iter().chain(sidecar::paths(path));
+            all.companions.extend(possible.filter(|path| path.exists()));
+            all.photos.push(path.to_owned());
             continue;
         }
-        let mut found = Vec::new();
+        let mut found = Found { companions: std::mem::take(&mut all.companions), ..Found::default() };
         seen.insert((metadata.dev(), metadata.ino()));
         let mut folders = visit(path, &mut seen, &mut found, tell).map_err(from_io).map_err(named)?;
         while let Some(folder) = folders.pop() {
@@ -57,17 +92,18 @@ pub fn list_telling<P: AsRef<Path>>(
                 Err(error) => tell(unreadable(&folder, error)),
             }
         }
-        found.sort_by(|a, b| natural(a, b));
-        photos.append(&mut found);
+        found.photos.sort_by(|a, b| natural(a, b));
+        all.photos.append(&mut found.photos);
+        all.companions = found.companions;
     }
-    Ok(photos)
+    Ok(all)
 }
 
-/// Adds the photos of one folder to `photos`, and gives the folders in it that were not seen before.
+/// Adds what is in one folder to `found`, and gives the folders in it that were not seen before.
 fn visit(
     folder: &Path,
     seen: &mut HashSet<(u64, u64)>,
-    photos: &mut Vec<PathBuf>,
+    found: &mut Found,
     tell: &mut dyn FnMut(PhotoError),
 ) -> io::Result<Vec<PathBuf>> {
     let mut folders = Vec::new();
@@ -80,7 +116,9 @@ fn visit(
         // Plain files, the most by far, are not asked for again.
         if entry.file_type().is_ok_and(|kind| kind.is_file()) {
             if is_photo(&path) {
-                photos.push(path);
+                found.photos.push(path);
+            } else if is_companion(&path) {
+                found.companions.insert(path);
             }
             continue;
         }
@@ -90,7 +128,8 @@ fn visit(
                     folders.push(path);
                 }
             }
-            Ok(_) if is_photo(&path) => photos.push(path),
+            Ok(_) if is_photo(&path) => found.photos.push(path),
+            Ok(_) if is_companion(&path) => drop(found.companions.insert(path)),
             Err(error) if is_photo(&path) => tell(unreadable(&path, error)),
             Ok(_) | Err(_) => {}
         }
@@ -107,6 +146,12 @@ fn is_photo(path: &Path) -> bool {
     let name = path.file_name().map(|name| name.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     let extension = name.rsplit_once('.').map_or("", |(_, extension)| extension);
     EXTENSIONS.contains(&extension) && !name.ends_with(MASK_SUFFIX)
+}
+
+/// Whether a name is that of a mask or a sidecar.
+fn is_companion(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().as_bytes();
+    name.ends_with(MASK_SUFFIX.as_bytes()) || name.ends_with(b".toml")
 }
 
 /// The natural order of two paths: digits compare as numbers, letters without regard to case (of ASCII).

@@ -21,10 +21,15 @@ pub(super) const MASK_SUFFIX: &str = ".mask.png";
 /// former wins, as it is meant for this very photo while the latter also serves a `lake.png`. Where neither is there it is
 /// the latter, which then can be written.
 pub fn mask_path(photo: &Path) -> PathBuf {
+    let [longer, shorter] = mask_paths(photo);
+    if longer.exists() { longer } else { shorter }
+}
+
+/// Where the mask of the photo at `photo` may be, that which goes before first.
+pub(super) fn mask_paths(photo: &Path) -> [PathBuf; 2] {
     let mut longer = OsString::from(photo);
     longer.push(MASK_SUFFIX);
-    let longer = PathBuf::from(longer);
-    if longer.exists() { longer } else { photo.with_extension("mask.png") }
+    [longer.into(), photo.with_extension("mask.png")]
 }
 
 /// Loads the mask at `path` for `photo`: for every pixel of the panel how much of it moves, from 0 (still) to 255.
