@@ -7,8 +7,9 @@
 //! applied, an embedded ICC profile of three primaries or of grey is converted to sRGB, and it is resampled in linear light.
 //! HEIC, AVIF, JPEG XL and camera RAW are recognised and **not** supported.
 //!
-//! Memory: the size is read from the header first, and a photo over the [`Limits`] is refused before memory is taken. The
-//! peak for `w` × `h` pixels of `b` bytes each (3 for a usual JPEG; 1 to 16 else) is the file (twice for JPEG) + `w·h·b` +
+//! Memory: the size is read from the header first, and a photo over the [`Limits`] is refused before memory is taken. A JPEG
+//! that is twice as large as its place on the panel, or more, is shrunk to a half, a quarter or an eighth while it is decoded.
+//! The peak for `w` × `h` pixels (those left) of `b` bytes each (3 for a usual JPEG; 1 to 16 else) is the file (twice for JPEG) + `w·h·b` +
 //! the decoder's own (up to 6 bytes a pixel for a progressive JPEG, 8 for WebP, 4 for GIF, `b` for TIFF in one strip) +
 //! 3 bytes for each pixel of the panel + a few rows ([`crate::frame::resample::storage_len`]). There is no second copy of
 //! the whole photo: rows become linear light while they are resampled.
@@ -22,6 +23,7 @@ mod fit;
 mod folder;
 mod format;
 mod mask;
+mod shrunk_jpeg;
 
 pub use error::{Fault, PhotoError};
 pub use fit::{Fit, UnknownFit};
@@ -100,9 +102,9 @@ pub fn load(path: &Path, options: &Options) -> Result<Photo, PhotoError> {
     let named = |fault| PhotoError::new(&path.to_string_lossy(), fault);
     let decoded = {
         let bytes = file::read(path, options.limits.bytes).map_err(named)?;
-        decode::decode(&bytes, &options.limits).map_err(named)?
+        decode_for(&bytes, options).map_err(named)?
     };
-    place(&path.to_string_lossy(), decoded, options).map_err(named)
+    Ok(place(&path.to_string_lossy(), decoded, options))
 }
 
 /// Loads a photo from the `bytes` of a file; `name` stands for it in messages.
@@ -110,9 +112,8 @@ pub fn load(path: &Path, options: &Options) -> Result<Photo, PhotoError> {
 /// # Errors
 /// As [`load`].
 pub fn from_bytes(name: &str, bytes: &[u8], options: &Options) -> Result<Photo, PhotoError> {
-    decode::decode(bytes, &options.limits)
-        .and_then(|decoded| place(name, decoded, options))
-        .map_err(|fault| PhotoError::new(name, fault))
+    let decoded = decode_for(bytes, options).map_err(|fault| PhotoError::new(name, fault))?;
+    Ok(place(name, decoded, options))
 }
 
 /// Loads the photo at `path` in its own shape: at its own size or, where it is larger, shrunk to lie within `bounds`. There
@@ -123,21 +124,30 @@ pub fn from_bytes(name: &str, bytes: &[u8], options: &Options) -> Result<Photo, 
 pub fn load_within(path: &Path, bounds: Size, limits: &Limits) -> Result<Photo, PhotoError> {
     let name = path.to_string_lossy();
     let named = |fault| PhotoError::new(&name, fault);
+    check_panel(bounds).map_err(named)?;
     let bytes = file::read(path, limits.bytes).map_err(named)?;
-    let decoded = decode::decode(&bytes, limits).map_err(named)?;
+    let decoded = decode::decode(&bytes, limits, |size| size.within(bounds)).map_err(named)?;
     drop(bytes);
     let size = decoded.oriented_size().within(bounds);
     let options = Options { limits: *limits, ..Options::new(size) };
-    place(&name, decoded, &options).map_err(named)
+    Ok(place(&name, decoded, &options))
+}
+
+/// Decodes a photo no larger than its place on the panel asks for.
+fn decode_for(bytes: &[u8], options: &Options) -> Result<Decoded, Fault> {
+    check_panel(options.size)?;
+    decode::decode(bytes, &options.limits, |size| Placement::new(size, options.size, options.fit).whole())
+}
+
+fn check_panel(size: Size) -> Result<(), Fault> {
+    let sides = 1..=Layout::MAX_SIDE;
+    let known = sides.contains(&size.width) && sides.contains(&size.height);
+    if known { Ok(()) } else { Err(Fault::PanelSize(size)) }
 }
 
 /// Resamples a photo to its place on the panel and fills the border.
-fn place(name: &str, photo: Decoded, options: &Options) -> Result<Photo, Fault> {
+fn place(name: &str, photo: Decoded, options: &Options) -> Photo {
     let Options { size, fit, background, .. } = *options;
-    let sides = 1..=Layout::MAX_SIDE;
-    if !sides.contains(&size.width) || !sides.contains(&size.height) {
-        return Err(Fault::PanelSize(size));
-    }
     let source_size = photo.oriented_size();
     let placement = Placement::new(source_size, size, fit);
     let mut rgb = background.repeat(size.pixels());
@@ -147,7 +157,7 @@ fn place(name: &str, photo: Decoded, options: &Options) -> Result<Photo, Fault> 
     if fit == Fit::Blurred && picture.size != size {
         border::blur(&mut rgb, size, picture);
     }
-    Ok(Photo { rgb, size, picture, source_size, fit, name: name.to_owned() })
+    Photo { rgb, size, picture, source_size, fit, name: name.to_owned() }
 }
 
 /// Resamples a photo into its rectangle of `rgb`, turned as its EXIF orientation says.

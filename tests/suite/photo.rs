@@ -1,6 +1,9 @@
 //! From a file to the pixels of the panel.
 
-use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use image::{
+    ExtendedColorType, ImageEncoder,
+    codecs::{jpeg::JpegEncoder, png::PngEncoder},
+};
 use moxcms::{ColorProfile, Layout, TransformOptions};
 use std::{
     error::Error,
@@ -127,6 +130,50 @@ fn all_eight_exif_orientations_are_applied() {
         assert_eq!(photo.source_size, size);
         assert!(photo.rgb == want.to_rgb8().into_raw(), "orientation {value}");
     }
+}
+
+/// A JPEG of smooth waves, of which a shrinking while it is decoded loses nothing.
+fn waves(size: Size) -> Vec<u8> {
+    let wave = |x: u32, y: u32, step: u32| {
+        let turns = f64::from(x) / f64::from(size.width) * 3.0 + f64::from(y * step) / f64::from(size.height);
+        (127.5 + 100.0 * (turns * std::f64::consts::TAU).sin()) as u8
+    };
+    let picture = image::RgbImage::from_fn(size.width, size.height, |x, y| {
+        image::Rgb([1, 2, 3].map(|c| wave(x, y, c)))
+    });
+    let mut file = Vec::new();
+    JpegEncoder::new_with_quality(&mut file, 95).encode_image(&picture).unwrap();
+    file
+}
+
+#[test]
+fn a_jpeg_that_is_shrunk_while_it_is_decoded_shows_the_same_picture() {
+    let source = Size::new(1000, 680);
+    let jpeg = waves(source);
+    let png = png(&image::load_from_memory(&jpeg).unwrap().to_rgb8(), source, ExtendedColorType::Rgb8, None);
+    for fit in Fit::ALL {
+        for size in [Size::new(500, 340), Size::new(240, 160), Size::new(100, 60), Size::new(60, 200)] {
+            let options = Options { fit, ..Options::new(size) };
+            let [shrunk, whole] = [&jpeg, &png].map(|file| from_bytes("waves", file, &options).unwrap());
+            assert_eq!((shrunk.source_size, shrunk.picture), (source, whole.picture));
+            let error = mean_error(&shrunk.rgb, &whole.rgb);
+            assert!(error < 1.0, "{fit} {size}: {error}");
+        }
+    }
+}
+
+#[test]
+fn a_jpeg_that_is_shrunk_while_it_is_decoded_takes_little_memory() {
+    let size = Size::new(4000, 3000);
+    let jpeg = waves(size);
+    let limits = Limits { bytes: 12 << 20, ..Limits::default() };
+    assert!(matches!(
+        fault("whole", &jpeg, &Options { limits, ..Options::new(size) }),
+        Fault::TooMuchMemory { .. }
+    ));
+    let photo =
+        from_bytes("shrunk", &jpeg, &Options { limits, ..Options::new(Size::new(800, 600)) }).unwrap();
+    assert_eq!(photo.source_size, size);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::{
     colour::Colour,
     fit::Turn,
     format::{self, JpegOutline},
-    scale,
+    scale, shrunk_jpeg,
 };
 use crate::{
     frame::{Size, resample::MAX_SIDE},
@@ -16,7 +16,9 @@ use std::io::{Cursor, ErrorKind};
 
 /// A decoded photo, as its file stores it.
 pub(super) struct Decoded {
-    /// The stored size.
+    /// The size in the file.
+    full: Size,
+    /// The stored size: that in the file, or less where it was shrunk while it was decoded.
     pub(super) size: Size,
     /// How it is turned to be shown.
     pub(super) turn: Turn,
@@ -25,14 +27,20 @@ pub(super) struct Decoded {
     icc: Option<Vec<u8>>,
 }
 
-/// Decodes a file.
-pub(super) fn decode(bytes: &[u8], limits: &Limits) -> Result<Decoded, Fault> {
+/// Decodes a file. It may come out smaller than it is, but not below the size that `least` says will do for a photo of the
+/// given size; both are those of the photo as it is shown.
+pub(super) fn decode(bytes: &[u8], limits: &Limits, least: impl Fn(Size) -> Size) -> Result<Decoded, Fault> {
     let format = format::guess(bytes)?;
     // A panic in a decoder concerns nothing but what it was building, which is dropped.
-    without_panic(|| decode_as(format, bytes, limits)).unwrap_or(Err(Fault::Broken))
+    without_panic(|| decode_as(format, bytes, limits, least)).unwrap_or(Err(Fault::Broken))
 }
 
-fn decode_as(format: ImageFormat, bytes: &[u8], limits: &Limits) -> Result<Decoded, Fault> {
+fn decode_as(
+    format: ImageFormat,
+    bytes: &[u8],
+    limits: &Limits,
+    least: impl Fn(Size) -> Size,
+) -> Result<Decoded, Fault> {
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut ceiling = image::Limits::no_limits();
     ceiling.max_alloc = Some(limits.bytes);
@@ -41,11 +49,23 @@ fn decode_as(format: ImageFormat, bytes: &[u8], limits: &Limits) -> Result<Decod
     let (width, height) = decoder.dimensions();
     let size = Size::new(width, height);
     let samples = decoder.color_type();
-    check(format, bytes, size, samples, limits)?;
+    check_size(size, limits)?;
 
     // Broken metadata is no reason not to show a photo.
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let turn = Turn::from_exif(orientation.to_exif());
     let icc = decoder.icc_profile().ok().flatten();
+    if format == ImageFormat::Jpeg {
+        let outline = JpegOutline::new(bytes);
+        if !outline.whole {
+            return Err(Fault::Cut);
+        }
+        let least = turn.undo(least(turn.undo(size)));
+        if let Some((stored, pixels)) = shrunk_jpeg::decode(bytes, least, samples, outline, limits) {
+            return Ok(Decoded { full: size, size: stored, turn, samples, bytes: pixels, icc });
+        }
+    }
+    check_memory(format, bytes, size, samples, limits)?;
     let len = size.pixels() * usize::from(samples.bytes_per_pixel());
     let mut pixels = Vec::new();
     let too_large = |_| Fault::TooMuchMemory { needed: len as u64, limit: limits.bytes };
@@ -54,17 +74,11 @@ fn decode_as(format: ImageFormat, bytes: &[u8], limits: &Limits) -> Result<Decod
     ceiling.max_alloc = Some(limits.bytes - len as u64);
     decoder.set_limits(ceiling).map_err(from_image)?;
     decoder.read_image(&mut pixels).map_err(from_image)?;
-    Ok(Decoded { size, turn: Turn::from_exif(orientation.to_exif()), samples, bytes: pixels, icc })
+    Ok(Decoded { full: size, size, turn, samples, bytes: pixels, icc })
 }
 
-/// Refuses what is too large or cut, before memory is taken for its pixels.
-fn check(
-    format: ImageFormat,
-    bytes: &[u8],
-    size: Size,
-    samples: ColorType,
-    limits: &Limits,
-) -> Result<(), Fault> {
+/// Refuses what has no pixels or too many.
+fn check_size(size: Size, limits: &Limits) -> Result<(), Fault> {
     let pixels = u64::from(size.width) * u64::from(size.height);
     if pixels == 0 {
         return Err(Fault::NoPixels);
@@ -75,16 +89,23 @@ fn check(
     if size.width.max(size.height) > MAX_SIDE {
         return Err(Fault::SideTooLong(size));
     }
+    Ok(())
+}
+
+/// Refuses what takes too much memory, before it is taken.
+fn check_memory(
+    format: ImageFormat,
+    bytes: &[u8],
+    size: Size,
+    samples: ColorType,
+    limits: &Limits,
+) -> Result<(), Fault> {
+    let pixels = u64::from(size.width) * u64::from(size.height);
     let sample_bytes = u64::from(samples.bytes_per_pixel());
     let file = bytes.len() as u64;
     let decoder = match format {
-        ImageFormat::Jpeg => {
-            let outline = JpegOutline::new(bytes);
-            if !outline.whole {
-                return Err(Fault::Cut);
-            }
-            file + if outline.progressive { pixels * sample_bytes * 2 } else { 0 }
-        }
+        ImageFormat::Jpeg if JpegOutline::new(bytes).progressive => file + pixels * sample_bytes * 2,
+        ImageFormat::Jpeg => file,
         ImageFormat::WebP => pixels * 8,
         ImageFormat::Gif => pixels * 4,
         ImageFormat::Tiff => pixels * sample_bytes,
@@ -107,9 +128,9 @@ fn from_image(error: ImageError) -> Fault {
 }
 
 impl Decoded {
-    /// The size once it is turned.
+    /// The size in the file, once it is turned.
     pub(super) fn oriented_size(&self) -> Size {
-        self.turn.undo(self.size)
+        self.turn.undo(self.full)
     }
 
     /// How many planes it has: grey or red, green and blue, and alpha last if there is any.

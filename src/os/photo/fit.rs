@@ -97,6 +97,14 @@ impl Placement {
         Self { picture, width: whole, height: whole }
     }
 
+    /// The size that the whole photo has at the scale in which it is shown, rounded up.
+    pub(super) fn whole(&self) -> Size {
+        let side = |shown: u32, (part, whole): (u64, u64)| {
+            u32::try_from((u64::from(shown) * whole).div_ceil(part)).unwrap_or(u32::MAX)
+        };
+        Size::new(side(self.picture.size.width, self.width), side(self.picture.size.height, self.height))
+    }
+
     /// How the columns and rows of a picture of `stored` pixels, which is shown turned, are resampled.
     pub(super) fn axes(&self, stored: Size, turn: Turn) -> (Axis, Axis) {
         let out = turn.undo(self.picture.size);

@@ -56,7 +56,7 @@ pub fn mask_from_bytes(
     photo: &Photo,
     limits: &super::Limits,
 ) -> Result<Vec<u8>, PhotoError> {
-    let mask = decode::decode(bytes, limits).map_err(|fault| PhotoError::new(name, fault))?;
+    let mask = decode::decode(bytes, limits, |size| size).map_err(|fault| PhotoError::new(name, fault))?;
     let (size, source_size) = (mask.oriented_size(), photo.source_size);
     if size != source_size {
         let line = format!("{name}: a mask of {size} pixels is stretched over a photo of {source_size}");
