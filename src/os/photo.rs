@@ -5,7 +5,7 @@
 //! A photo is JPEG, PNG, WebP, GIF (of animations the first frame), BMP or TIFF, told by its content and never by its name,
 //! of 8 or 16 bits or floating point, colour or grey, with or without transparency. Its EXIF orientation (1 to 8) is
 //! applied, an embedded ICC profile of three primaries or of grey is converted to sRGB, and it is resampled in linear light.
-//! HEIC, AVIF, JPEG XL and camera RAW are recognised and **not** supported.
+//! JPEG XL is, with the cargo feature `jxl`. HEIC, AVIF and camera RAW are recognised and **not** supported.
 //!
 //! Memory: the size is read from the header first, and a photo over the [`Limits`] is refused before memory is taken. A JPEG
 //! that is twice as large as its place on the panel, or more, is shrunk to a half, a quarter or an eighth while it is decoded.
@@ -22,6 +22,8 @@ mod file;
 mod fit;
 mod folder;
 mod format;
+#[cfg(feature = "jxl")]
+mod jxl;
 mod mask;
 mod shrunk_jpeg;
 

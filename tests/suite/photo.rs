@@ -387,7 +387,9 @@ fn what_is_no_supported_picture_is_named() {
         (b"\0\0\0\x18ftypavif\0\0\0\0", "AVIF"),
         (b"\0\0\0\x18ftypisom\0\0\0\0mp41avc1", "video"),
         (b"\0\0\0\x18ftypcrx \0\0\0\0", "camera RAW"),
+        #[cfg(not(feature = "jxl"))]
         (b"\xff\x0a\0\0", "JPEG XL"),
+        #[cfg(not(feature = "jxl"))]
         (b"\0\0\0\x0cJXL \r\n\x87\n", "JPEG XL"),
         (b"II*\0\x10\0\0\0CR\x02\0", "camera RAW"),
         (b"II*\0\x08\0\0\0\x01\0\xfe\0\x04\0\x01\0\0\0\x01\0\0\0", "camera RAW"),
@@ -397,6 +399,19 @@ fn what_is_no_supported_picture_is_named() {
     }
     assert!(named(b"Dear diary, no picture here").starts_with("is not a picture"));
     assert!(named(b"").starts_with("is empty"));
+}
+
+#[cfg(feature = "jxl")]
+#[test]
+fn a_jpeg_xl_shows_the_picture_and_a_cut_or_too_large_one_is_refused() {
+    let bytes = bytes("drawn.jxl");
+    let options = tight(DRAWN);
+    let photo = from_bytes("x", &bytes, &options).expect("a good file");
+    assert_eq!(photo.source_size, DRAWN);
+    assert!(mean_error(&photo.rgb, drawn().as_raw()) < 6.0);
+    assert!(matches!(fault("cut", &bytes[..bytes.len() * 2 / 3], &options), Fault::Cut | Fault::Broken));
+    let tiny = Options { limits: Limits { bytes: 1000, ..options.limits }, ..options };
+    assert!(matches!(fault("large", &bytes, &tiny), Fault::TooMuchMemory { .. }));
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! From the bytes of a file to samples, within limits.
 
+#[cfg(feature = "jxl")]
+use super::jxl;
 use super::{
     Fault, Limits,
     colour::Colour,
@@ -17,19 +19,23 @@ use std::io::{Cursor, ErrorKind};
 /// A decoded photo, as its file stores it.
 pub(super) struct Decoded {
     /// The size in the file.
-    full: Size,
+    pub(super) full: Size,
     /// The stored size: that in the file, or less where it was shrunk while it was decoded.
     pub(super) size: Size,
     /// How it is turned to be shown.
     pub(super) turn: Turn,
-    samples: ColorType,
-    bytes: Vec<u8>,
-    icc: Option<Vec<u8>>,
+    pub(super) samples: ColorType,
+    pub(super) bytes: Vec<u8>,
+    pub(super) icc: Option<Vec<u8>>,
 }
 
 /// Decodes a file. It may come out smaller than it is, but not below the size that `least` says will do for a photo of the
 /// given size; both are those of the photo as it is shown.
 pub(super) fn decode(bytes: &[u8], limits: &Limits, least: impl Fn(Size) -> Size) -> Result<Decoded, Fault> {
+    #[cfg(feature = "jxl")]
+    if format::is_jxl(bytes) {
+        return without_panic(|| jxl::decode(bytes, limits)).unwrap_or(Err(Fault::Broken));
+    }
     let format = format::guess(bytes)?;
     // A panic in a decoder concerns nothing but what it was building, which is dropped.
     without_panic(|| decode_as(format, bytes, limits, least)).unwrap_or(Err(Fault::Broken))
@@ -44,7 +50,7 @@ fn decode_as(
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut ceiling = image::Limits::no_limits();
     ceiling.max_alloc = Some(limits.bytes);
-    reader.limits(ceiling.clone());
+    reader.limits(ceiling);
     let mut decoder = reader.into_decoder().map_err(from_image)?;
     let (width, height) = decoder.dimensions();
     let size = Size::new(width, height);
@@ -66,19 +72,31 @@ fn decode_as(
         }
     }
     check_memory(format, bytes, size, samples, limits)?;
+    let bytes = read_pixels(decoder, size, samples, limits)?;
+    Ok(Decoded { full: size, size, turn, samples, bytes, icc })
+}
+
+/// The samples of a photo whose decoder was checked to be within `limits`.
+pub(super) fn read_pixels(
+    mut decoder: impl ImageDecoder,
+    size: Size,
+    samples: ColorType,
+    limits: &Limits,
+) -> Result<Vec<u8>, Fault> {
     let len = size.pixels() * usize::from(samples.bytes_per_pixel());
     let mut pixels = Vec::new();
     let too_large = |_| Fault::TooMuchMemory { needed: len as u64, limit: limits.bytes };
     pixels.try_reserve_exact(len).map_err(too_large)?;
     pixels.resize(len, 0);
+    let mut ceiling = image::Limits::no_limits();
     ceiling.max_alloc = Some(limits.bytes - len as u64);
     decoder.set_limits(ceiling).map_err(from_image)?;
     decoder.read_image(&mut pixels).map_err(from_image)?;
-    Ok(Decoded { full: size, size, turn, samples, bytes: pixels, icc })
+    Ok(pixels)
 }
 
 /// Refuses what has no pixels or too many.
-fn check_size(size: Size, limits: &Limits) -> Result<(), Fault> {
+pub(super) fn check_size(size: Size, limits: &Limits) -> Result<(), Fault> {
     let pixels = u64::from(size.width) * u64::from(size.height);
     if pixels == 0 {
         return Err(Fault::NoPixels);
@@ -119,7 +137,7 @@ fn check_memory(
 }
 
 /// What a decoder's `error` means for people.
-fn from_image(error: ImageError) -> Fault {
+pub(super) fn from_image(error: ImageError) -> Fault {
     match &error {
         ImageError::IoError(cause) if cause.kind() == ErrorKind::UnexpectedEof => Fault::Cut,
         ImageError::Unsupported(_) => Fault::Feature(error),

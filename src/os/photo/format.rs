@@ -5,8 +5,8 @@ use image::ImageFormat;
 
 /// Formats that are known by name only: where in the file, what bytes, and the name.
 const UNSUPPORTED: [(usize, &[u8], &str); 10] = [
-    (0, b"\xff\x0a", "JPEG XL"),
-    (4, b"JXL \r\n\x87\n", "JPEG XL"),
+    JXL[0],
+    JXL[1],
     (4, b"jP  \r\n\x87\n", "JPEG 2000"),
     (8, b"CR\x02", "camera RAW"),
     (0, b"IIRO", "camera RAW"),
@@ -16,6 +16,15 @@ const UNSUPPORTED: [(usize, &[u8], &str); 10] = [
     (0, b"FOVb", "camera RAW"),
     (0, b"8BPS", "Photoshop (PSD)"),
 ];
+
+/// JPEG XL, bare and in a container; the cargo feature `jxl` takes it.
+const JXL: [(usize, &[u8], &str); 2] = [(0, b"\xff\x0a", "JPEG XL"), (4, b"JXL \r\n\x87\n", "JPEG XL")];
+
+/// Whether a file is JPEG XL.
+#[cfg(feature = "jxl")]
+pub(super) fn is_jxl(bytes: &[u8]) -> bool {
+    JXL.iter().any(|(start, magic, _)| bytes.get(*start..).is_some_and(|rest| rest.starts_with(magic)))
+}
 
 /// What the brands of a file of boxes (ISO/IEC 14496-12) say that it holds: a brand begins so, and the name. Of AVIF and HEIC, which
 /// both may have the brand mif1 too, the more telling brand may come later.
