@@ -33,6 +33,7 @@ mod probe;
 pub mod progress;
 mod run;
 pub mod scene;
+mod service;
 pub mod sidecar;
 pub mod state;
 mod stdout;

@@ -10,7 +10,9 @@ use super::{
     interrupt::Interrupt,
     loader::{Living, Loader},
     panel::Panel,
-    render, set_log_level,
+    render,
+    service::{Idle, Service},
+    set_log_level,
     stdout::print_line,
 };
 use crate::{
@@ -37,8 +39,9 @@ pub(super) fn demo() -> Result<(), Failure> {
     let Some(args::Command::Run(args)) = args.command else { unreachable!("`run` was asked for") };
     let mut config = Config::default();
     config.apply_args(&args);
-    match Panel::open(&config.display, config.frames_per_second) {
-        Ok(panel) => Running::new(config, &args, panel)?.show(&mut Script::default()),
+    let mut service = Service::from_env();
+    match Panel::open(&config.display, config.frames_per_second, &mut service) {
+        Ok(panel) => Running::new(config, &args, panel, service)?.show(&mut Script::default()),
         Err(why) => {
             log::info!("{why}");
             render::demo()
@@ -53,8 +56,9 @@ pub(super) fn run(args: &args::Run) -> Result<(), Failure> {
     let text = path.map_or(Ok(String::new()), read_script)?;
     let refused = |error| Failure::new(format!("{}: {error}", path.unwrap_or(Path::new("")).display()));
     let mut script = Script::parse(&text).map_err(refused)?;
-    let panel = Panel::open(&config.display, config.frames_per_second)?;
-    Running::new(config, args, panel)?.show(&mut script)
+    let mut service = Service::from_env();
+    let panel = Panel::open(&config.display, config.frames_per_second, &mut service)?;
+    Running::new(config, args, panel, service)?.show(&mut script)
 }
 
 /// The most bytes of a script: a press a second for a week would fit.
@@ -78,6 +82,8 @@ const IDLE_WAIT: Duration = Duration::from_millis(100);
 
 /// A show: the photos, what is shown of them, and where.
 struct Running {
+    // Its end is told before what takes time is put away.
+    service: Service,
     config: Arc<Config>,
     panel: Panel,
     keyboards: Option<Keyboards>,
@@ -98,7 +104,7 @@ struct Running {
 }
 
 impl Running {
-    fn new(config: Config, args: &args::Run, mut panel: Panel) -> Result<Self, Failure> {
+    fn new(config: Config, args: &args::Run, mut panel: Panel, service: Service) -> Result<Self, Failure> {
         let typed = !args.photos.is_empty() || config.photos.is_empty();
         // A program that somebody starts by hand begins afresh; a frame goes on.
         let remembers = panel.is_bare() || env::var_os("STATE_DIRECTORY").is_some();
@@ -119,6 +125,7 @@ impl Running {
         Ok(Self {
             loader: Loader::start(Arc::clone(&config))?,
             config,
+            service,
             panel,
             keyboards,
             album,
@@ -153,7 +160,14 @@ impl Running {
                     sleep(pace.deadline().saturating_sub(self.clock.elapsed()));
                     continue;
                 }
-                Ok(false) | Err(DisplayError::Lost) => sleep(IDLE_WAIT),
+                Ok(false) => {
+                    self.service.idle(Instant::now(), self.idle());
+                    sleep(IDLE_WAIT);
+                }
+                Err(DisplayError::Lost) => {
+                    self.service.idle(Instant::now(), Idle::NoPanel);
+                    sleep(IDLE_WAIT);
+                }
                 Err(DisplayError::Closed) => break,
                 Err(DisplayError::ModeChanged) => self.drop_photos(),
             }
@@ -179,6 +193,7 @@ impl Running {
             keyboards.set_listening(!matches!(turned, Err(DisplayError::Lost)));
         }
         turned?;
+        self.service.shown(Instant::now(), &current.name, self.show.noises(), self.show.is_paused());
         self.dimmer.shown();
         if !self.show.is_fading()
             && let Some(leaving) = self.leaving.take()
@@ -191,6 +206,11 @@ impl Running {
         }
         self.album.remember(self.clock.elapsed(), self.show.noises(), false);
         Ok(true)
+    }
+
+    /// Why a turn has shown no frame on a panel that is there.
+    fn idle(&self) -> Idle {
+        if self.dimmer.is_dark() { Idle::Off } else { Idle::NoPhoto }
     }
 
     /// Sees to it that the photo that is wanted is shown as soon as it is loaded, and that the next one is loaded by then.

@@ -21,6 +21,8 @@ mod output;
 #[cfg(feature = "os")]
 mod photo;
 mod playlist;
+#[cfg(feature = "os")]
+mod service;
 mod show;
 mod spectrum;
 mod stage;
