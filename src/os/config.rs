@@ -124,6 +124,7 @@ impl Default for Config {
 
 impl Config {
     /// The configuration of `run` with these arguments: the board's file, the configuration file and the arguments, in this order.
+    /// Where neither of the latter names a board, the machine does by its device tree.
     ///
     /// # Errors
     /// Whatever is wrong with the files, or that a board is not known.
@@ -133,13 +134,18 @@ impl Config {
         let text = file.map(read_text).transpose()?;
         let apply_file = |config: &mut Self| match (file, &text) {
             (Some(path), Some(text)) => config_file::apply(path, text, config),
-            _ => Ok(None),
+            _ => Ok(config_file::Heading::default()),
         };
         // The file may name the board that it goes before.
-        let named = apply_file(&mut Self::default())?;
+        let heading = apply_file(&mut Self::default())?;
+        if let Some(path) = file.filter(|_| !heading.compatible.is_empty()) {
+            let why = "the key `compatible` stands only in the file of a board; take it away";
+            return Err(ConfigError::whole(path.display().to_string(), why));
+        }
         let mut config = Self::default();
-        if let Some(name) = args.board.as_ref().or(named.as_ref()) {
-            board::apply(name, &mut config)?;
+        let detected = || board::detect(Path::new(board::DEVICE_TREE)).map(str::to_owned);
+        if let Some(name) = args.board.clone().or(heading.board).or_else(detected) {
+            board::apply(&name, &mut config)?;
         }
         apply_file(&mut config)?;
         config.apply_args(args);

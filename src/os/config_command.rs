@@ -12,8 +12,8 @@ use std::io::{self, ErrorKind, Write};
 pub(super) fn config(args: &args::ConfigFile) -> Result<(), Failure> {
     if let Some(path) = &args.check {
         let mut config = Config::default();
-        let named = config_file::apply(path, &read_text(path)?, &mut config)?;
-        if let Some(name) = named {
+        let heading = config_file::apply(path, &read_text(path)?, &mut config)?;
+        if let Some(name) = heading.board {
             board::apply(&name, &mut config)?;
         }
         return print(&format!("{}: good\n", path.display()));

@@ -30,15 +30,28 @@ pub fn parse(name: &str, text: &str) -> Result<Config, ConfigError> {
     Ok(config)
 }
 
-/// Puts what the `text` of the file at `path` says in place of what `config` says, and gives the name of the board that it
-/// names. Paths in it start from the file's folder. After a mistake `config` is of no use.
-pub(super) fn apply(path: &Path, text: &str, config: &mut Config) -> Result<Option<String>, ConfigError> {
+/// What a file says of boards.
+#[derive(Debug, Default)]
+pub(super) struct Heading {
+    /// The board that it goes before.
+    pub(super) board: Option<String>,
+    /// What the device trees of the board that it is the file of call it.
+    pub(super) compatible: Vec<String>,
+}
+
+/// Puts what the `text` of the file at `path` says in place of what `config` says, and gives what it says of boards. Paths in
+/// it start from the file's folder. After a mistake `config` is of no use.
+pub(super) fn apply(path: &Path, text: &str, config: &mut Config) -> Result<Heading, ConfigError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let name = path.display().to_string();
     let mut parsed = Document::parse(&name, text)?;
     let document = &mut parsed;
-    let mut board = None;
-    document.read_some(("", "board"), &mut board, word);
+    let mut heading = Heading::default();
+    document.read_some(("", "board"), &mut heading.board, word);
+    document.read_list(("", "compatible"), |value| {
+        heading.compatible.push(word(value)?);
+        Ok(())
+    });
     display(document, config);
     photos(document, config, folder);
     life(document, "life", &mut config.look, folder);
@@ -49,7 +62,7 @@ pub(super) fn apply(path: &Path, text: &str, config: &mut Config) -> Result<Opti
     document.read(("memory", "ceiling"), memory, |value| Ok(u64::from(whole(16..=65_536_u32)(value)?) << 20));
     document.read(("log", "level"), &mut config.log, worded(level));
     parsed.finish()?;
-    Ok(board)
+    Ok(heading)
 }
 
 fn display(document: &mut Document<'_>, config: &mut Config) {

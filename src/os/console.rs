@@ -17,7 +17,9 @@ use signal_hook::{SigId, flag, low_level};
 use std::{
     fmt,
     fs::{File, OpenOptions},
-    io, panic,
+    io,
+    os::unix::fs::OpenOptionsExt,
+    panic,
     path::PathBuf,
     sync::{
         Arc, Mutex, Once, PoisonError,
@@ -118,8 +120,9 @@ impl Terminal {
     }
 }
 
+/// For writing alone, which is all that the group `tty` may; the calls do not ask for more.
 fn open(path: PathBuf) -> io::Result<File> {
-    let file = OpenOptions::new().read(true).write(true).open(&path);
+    let file = OpenOptions::new().write(true).custom_flags(libc::O_NOCTTY).open(&path);
     file.map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))
 }
 

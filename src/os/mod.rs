@@ -34,6 +34,7 @@ mod probe;
 pub mod progress;
 mod run;
 pub mod scene;
+mod service;
 pub mod sidecar;
 pub mod state;
 mod stdout;

@@ -2,7 +2,8 @@
 //!
 //! `auto` takes a window within a desktop: the desktop holds the panel, and nothing else could draw to it. Without a desktop it
 //! takes the panel itself, by KMS, else by a frame buffer device; a machine that has neither gets a simulated panel. A panel
-//! that is not there yet, with a card or a device that could show on it, is waited for.
+//! that is not there yet, with a card or a device that could show on it, is waited for. A service is there for a panel that
+//! people see: it waits for a card or a device too, whose driver may be loaded after it, and never simulates.
 
 #[cfg(any(feature = "kms", feature = "linuxfb"))]
 use super::console::OnConsole;
@@ -13,6 +14,7 @@ use super::kms::Kms;
 use super::{
     Failure,
     args::{DisplayChoice, KmsChoice},
+    service::{Idle, Service},
     usage,
 };
 use crate::{
@@ -86,6 +88,9 @@ pub(super) enum Prospect {
     NoDevice,
     /// There is a device, and no panel plugged in.
     NoPanel,
+    /// There is a device that this user may not open. At the start of the machine it may be another one in a moment, when udev
+    /// gives it to its group.
+    Denied,
     /// Another program holds it.
     Held,
     /// It stays as it is.
@@ -101,43 +106,62 @@ struct Unavailable {
 /// How often a panel that is waited for is looked for.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
 
+/// How long a service waits for a graphics card, and the right to open it, before it takes a frame buffer device. Firmware leaves
+/// one of those that the card's driver will take away, and a Raspberry Pi loads that driver within its first ten seconds.
+const CARD_PATIENCE: Duration = Duration::from_secs(15);
+
 impl Panel {
     /// Opens the display that was chosen, waiting for a panel that is not there yet, and says which it is and why.
-    pub(super) fn open(choice: &DisplayChoice, frames_per_second: u32) -> Result<Self, Failure> {
+    pub(super) fn open(
+        choice: &DisplayChoice,
+        frames_per_second: u32,
+        service: &mut Service,
+    ) -> Result<Self, Failure> {
         match choice {
             DisplayChoice::Sim(sim::Spec(layout)) => Self::simulate(*layout, frames_per_second),
             DisplayChoice::Window => Self::open_window(),
             DisplayChoice::Kms(choice) => {
-                wait(|| Self::open_kms(choice), &[Prospect::NoDevice, Prospect::NoPanel])
-                    .map_err(|unavailable| unavailable.why)
+                let passes = |prospect, _| matches!(prospect, Prospect::NoDevice | Prospect::NoPanel);
+                wait(|| Self::open_kms(choice), passes, service).map_err(|unavailable| unavailable.why)
             }
             DisplayChoice::Fbdev(device) => {
-                wait(|| Self::open_fbdev(device.as_deref()), &[Prospect::NoDevice])
+                let passes = |prospect, _| prospect == Prospect::NoDevice;
+                wait(|| Self::open_fbdev(device.as_deref()), passes, service)
                     .map_err(|unavailable| unavailable.why)
             }
-            DisplayChoice::Auto => Self::open_any(frames_per_second),
+            DisplayChoice::Auto => Self::open_any(frames_per_second, service),
         }
     }
 
-    fn open_any(frames_per_second: u32) -> Result<Self, Failure> {
+    fn open_any(frames_per_second: u32, service: &mut Service) -> Result<Self, Failure> {
         let no_window = match Self::open_window() {
             Ok(panel) => return Ok(panel),
             Err(why) => why,
         };
         log::info!("no window: {no_window}");
-        let no_kms = match wait(|| Self::open_kms(&KmsChoice::default()), &[Prospect::NoPanel]) {
+        let managed = service.is_managed();
+        let passes = |prospect, waited| match prospect {
+            Prospect::NoPanel => true,
+            Prospect::NoDevice => managed && waited < CARD_PATIENCE,
+            Prospect::Denied | Prospect::Held | Prospect::None => false,
+        };
+        let no_kms = match wait(|| Self::open_kms(&KmsChoice::default()), passes, service) {
             Ok(panel) => return Ok(panel),
             // What somebody else shows would be painted over at once, by whatever way.
             Err(Unavailable { why, prospect: Prospect::Held }) => return Err(why),
             Err(Unavailable { why, .. }) => why,
         };
         log::info!("no kms: {no_kms}");
-        let no_fbdev = match Self::open_fbdev(None) {
+        let passes = |prospect, _| managed && prospect == Prospect::NoDevice;
+        let no_fbdev = match wait(|| Self::open_fbdev(None), passes, service) {
             Ok(panel) => return Ok(panel),
             Err(Unavailable { why, .. }) => why,
         };
-        let layout = Layout::new(Size::new(1024, 600), PixelFormat::Xrgb8888, None)?;
         log::info!("no fbdev: {no_fbdev}");
+        if managed {
+            return Err(Failure::new("there is no panel to show on; `yurameki probe` lists what there is"));
+        }
+        let layout = Layout::new(Size::new(1024, 600), PixelFormat::Xrgb8888, None)?;
         log::warn!("nobody can see it: showing on a simulated panel of {}", layout.size);
         Self::simulate(layout, frames_per_second)
     }
@@ -304,12 +328,22 @@ impl Display for Panel {
     }
 }
 
-/// Opens a panel, waiting as long as what keeps it away is one of `passing`.
-fn wait(open: impl Fn() -> Result<Panel, Unavailable>, passing: &[Prospect]) -> Result<Panel, Unavailable> {
+/// Opens a panel, waiting as long as what keeps it away `passes`, by itself and how long it was waited for; a service waits a little
+/// for the right to open it, too.
+fn wait(
+    open: impl Fn() -> Result<Panel, Unavailable>,
+    passes: impl Fn(Prospect, Duration) -> bool,
+    service: &mut Service,
+) -> Result<Panel, Unavailable> {
+    let (start, managed) = (Instant::now(), service.is_managed());
+    let may_be_given = |prospect| prospect == Prospect::Denied && managed && start.elapsed() < CARD_PATIENCE;
     let mut told = false;
     loop {
         match open() {
-            Err(Unavailable { why, prospect }) if passing.contains(&prospect) => {
+            Err(Unavailable { why, prospect })
+                if passes(prospect, start.elapsed()) || may_be_given(prospect) =>
+            {
+                service.idle(Instant::now(), Idle::NoPanel);
                 if !told {
                     log::warn!("{why}; waiting for it");
                 }

@@ -10,7 +10,9 @@ use super::{
     interrupt::{Interrupt, ReloadRequest},
     loader::{Living, Loader},
     panel::Panel,
-    render, set_log_level,
+    render,
+    service::{Idle, Service},
+    set_log_level,
     stdout::print_line,
 };
 use crate::{
@@ -41,8 +43,9 @@ pub(super) fn demo() -> Result<(), Failure> {
     let Some(args::Command::Run(args)) = args.command else { unreachable!("`run` was asked for") };
     let mut config = Config::default();
     config.apply_args(&args);
-    match Panel::open(&config.display, config.frames_per_second) {
-        Ok(panel) => Running::new(config, &args, panel)?.show(&mut Script::default()),
+    let mut service = Service::from_env();
+    match Panel::open(&config.display, config.frames_per_second, &mut service) {
+        Ok(panel) => Running::new(config, &args, panel, service)?.show(&mut Script::default()),
         Err(why) => {
             log::info!("{why}");
             render::demo()
@@ -57,8 +60,9 @@ pub(super) fn run(args: &args::Run) -> Result<(), Failure> {
     let text = path.map_or(Ok(String::new()), read_script)?;
     let refused = |error| Failure::new(format!("{}: {error}", path.unwrap_or(Path::new("")).display()));
     let mut script = Script::parse(&text).map_err(refused)?;
-    let panel = Panel::open(&config.display, config.frames_per_second)?;
-    let mut running = Running::new(config, args, panel)?;
+    let mut service = Service::from_env();
+    let panel = Panel::open(&config.display, config.frames_per_second, &mut service)?;
+    let mut running = Running::new(config, args, panel, service)?;
     running.args = Some(args.clone());
     running.show(&mut script)
 }
@@ -84,6 +88,8 @@ const IDLE_WAIT: Duration = Duration::from_millis(100);
 
 /// A show: the photos, what is shown of them, and where.
 struct Running {
+    // Its end is told before what takes time is put away.
+    service: Service,
     config: Arc<Config>,
     /// What the configuration is made of; `None` where none was asked for.
     args: Option<args::Run>,
@@ -108,7 +114,7 @@ struct Running {
 }
 
 impl Running {
-    fn new(config: Config, args: &args::Run, mut panel: Panel) -> Result<Self, Failure> {
+    fn new(config: Config, args: &args::Run, mut panel: Panel, service: Service) -> Result<Self, Failure> {
         let typed = !args.photos.is_empty() || config.photos.is_empty();
         // A program that somebody starts by hand begins afresh; a frame goes on.
         let remembers = panel.is_bare() || env::var_os("STATE_DIRECTORY").is_some();
@@ -131,6 +137,7 @@ impl Running {
             pace: Pace::new(config.frames_per_second, Duration::ZERO),
             config: Arc::new(config),
             args: None,
+            service,
             panel,
             keyboards,
             album,
@@ -170,7 +177,14 @@ impl Running {
                     sleep(self.pace.deadline().saturating_sub(self.clock.elapsed()));
                     continue;
                 }
-                Ok(false) | Err(DisplayError::Lost) => sleep(IDLE_WAIT),
+                Ok(false) => {
+                    self.service.idle(Instant::now(), self.idle());
+                    sleep(IDLE_WAIT);
+                }
+                Err(DisplayError::Lost) => {
+                    self.service.idle(Instant::now(), Idle::NoPanel);
+                    sleep(IDLE_WAIT);
+                }
                 Err(DisplayError::Closed) => break,
                 Err(DisplayError::ModeChanged) => self.drop_photos(),
             }
@@ -195,10 +209,11 @@ impl Running {
 
     fn present(&mut self) -> Result<bool, DisplayError> {
         let Some(current) = self.current.as_mut().filter(|_| !self.dimmer.is_dark()) else {
-            return self.idle().map(|()| false);
+            return self.say_why_nothing().map(|()| false);
         };
         let leaving = self.leaving.as_mut().map(|leaving| &mut leaving.shimmer);
         self.show.turn_from(leaving, &mut current.shimmer, &current.caption, &mut self.panel)?;
+        self.service.shown(Instant::now(), &current.caption, self.show.noises(), self.show.is_paused());
         self.dimmer.shown();
         if !self.show.is_fading()
             && let Some(leaving) = self.leaving.take()
@@ -215,7 +230,7 @@ impl Running {
 
     /// Says on the panel why there is no photo. A panel that is off has been given one black frame; all that it must do is to notice
     /// that it is gone, or that somebody wants to see another console.
-    fn idle(&mut self) -> Result<(), DisplayError> {
+    fn say_why_nothing(&mut self) -> Result<(), DisplayError> {
         let nothing = if self.dimmer.is_dark() { None } else { self.album.nothing() };
         match nothing {
             Some(why) => {
@@ -225,6 +240,11 @@ impl Running {
             }
             None => self.panel.back_buffer().map(drop),
         }
+    }
+
+    /// Why a turn has shown no frame on a panel that is there.
+    fn idle(&self) -> Idle {
+        if self.dimmer.is_dark() { Idle::Off } else { Idle::NoPhoto }
     }
 
     /// Sees to it that the photo that is wanted is shown as soon as it is loaded, and that the next one is loaded by then.

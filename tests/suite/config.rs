@@ -152,7 +152,7 @@ fn each_value_of_the_default_text_is_the_default() {
     let (folder, other) = (TempDir::new().unwrap(), OTHER.replace("\"leaves.png\"", "\"none\""));
     let (board, file) = (folder.path().join("board.toml"), folder.path().join("config.toml"));
     // Those without a default have an example in the text instead.
-    let without_default = ["board = ", "backlight = ", "mask = ", "preset = "];
+    let without_default = ["board = ", "compatible = ", "backlight = ", "mask = ", "preset = "];
     let text: String = uncommented()
         .lines()
         .filter(|line| !without_default.iter().any(|key| line.starts_with(key)))
@@ -182,7 +182,7 @@ fn every_key_is_explained_in_the_default_text_and_taken() {
     let missing: Vec<_> = explained
         .difference(&other)
         .filter(free)
-        .filter(|key| ![".board", "life.preset"].contains(&key.as_str()))
+        .filter(|key| ![".board", ".compatible", "life.preset"].contains(&key.as_str()))
         .collect();
     assert_eq!(missing, Vec::<&String>::new(), "not tried here");
     // What is known is listed by the message on what is not.
@@ -401,6 +401,41 @@ fn a_board_that_is_not_known_or_names_another_is_refused() {
     assert!(refused(&["--config", &files.word("none.toml")]).starts_with(&files.word("none.toml")));
     fs::write(&file, "").unwrap();
     assert!(refused(&["--config", &file, "--board", &board]).contains("names no board"));
+    fs::write(&file, "compatible = [\"linux,dummy-virt\"]").unwrap();
+    assert!(refused(&["--config", &file]).contains("only in the file of a board"));
+}
+
+#[test]
+fn a_board_is_told_by_the_most_specific_name_in_its_device_tree() {
+    let files = Files::new(&[
+        ("pi", "raspberrypi,4-model-b\0brcm,bcm2711\0"),
+        ("virt", "linux,dummy-virt\0"),
+        ("later", "some,carrier\0raspberrypi,5-model-b\0linux,dummy-virt\0"),
+        ("unknown", "some,board\0"),
+        ("longer", "raspberrypi,4-model-bc\0"),
+        ("empty", ""),
+    ]);
+    fs::write(files.path("binary"), b"\xff\xfe\0linux,dummy-virt\0").unwrap();
+    let told = |name| board::detect(&files.path(name));
+    assert_eq!(told("pi"), Some("raspberry-pi-4"));
+    assert_eq!(told("virt"), Some("qemu"));
+    assert_eq!(told("later"), Some("raspberry-pi-5"));
+    assert_eq!(told("binary"), Some("qemu"), "what is no text is passed over");
+    for name in ["unknown", "longer", "empty", "not-there"] {
+        assert_eq!(told(name), None, "{name}");
+    }
+}
+
+#[test]
+fn no_device_tree_is_that_of_two_boards() {
+    let mut all = BTreeSet::new();
+    for (name, text) in BOARDS {
+        let line = text.lines().find(|line| line.starts_with("compatible = "));
+        for tree in line.unwrap_or_default().split('"').filter(|part| part.contains(',') && *part != ", ") {
+            assert!(all.insert(tree), "{name}: {tree}");
+        }
+    }
+    assert!(all.len() >= 12, "{all:?}");
 }
 
 #[test]

@@ -23,6 +23,8 @@ mod photo;
 mod playlist;
 #[cfg(feature = "os")]
 mod reload;
+#[cfg(feature = "os")]
+mod service;
 mod show;
 mod spectrum;
 mod stage;

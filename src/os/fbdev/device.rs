@@ -39,6 +39,7 @@ impl FbdevError {
         match self {
             Self::None => Prospect::NoDevice,
             Self::Open { error, .. } if error.kind() == io::ErrorKind::NotFound => Prospect::NoDevice,
+            Self::Open { error, .. } if error.kind() == io::ErrorKind::PermissionDenied => Prospect::Denied,
             Self::Open { .. } | Self::Pixels { .. } | Self::Layout { .. } => Prospect::None,
         }
     }

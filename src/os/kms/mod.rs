@@ -39,11 +39,12 @@ pub(super) enum KmsError {
 }
 
 impl KmsError {
-    pub(super) const fn prospect(&self) -> Prospect {
+    pub(super) fn prospect(&self) -> Prospect {
         match self {
             Self::NoCard(_) => Prospect::NoDevice,
             Self::NothingConnected(_) => Prospect::NoPanel,
             Self::Held { .. } => Prospect::Held,
+            Self::Open { error, .. } if error.kind() == io::ErrorKind::PermissionDenied => Prospect::Denied,
             Self::Open { .. } | Self::Refused { .. } => Prospect::None,
         }
     }
