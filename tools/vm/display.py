@@ -13,6 +13,7 @@ class Display:
         self.arguments, self.append, self.modules, self.by_firmware = [], "", [], False
         # Bits of a pixel, where there is no screen: the card is memory alone.
         self.memory_depth = int(name[3:]) if name.startswith("vfb") else None
+        self.has_name = name != "simple"
         if name == "bochs":
             assert width % 8 == 0, "QEMU's VGA rounds the width down to a multiple of 8 and shows the rest sheared"
             self.arguments, self.modules = std, ["bochs"]

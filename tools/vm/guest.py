@@ -3,6 +3,7 @@ import base64
 import ctypes
 import os
 import re
+import shlex
 import shutil
 import signal
 import socket
@@ -43,7 +44,7 @@ class Guest:
             "-chardev", "file,id=console,path=" + self.log, "-serial", "chardev:console",
             "-chardev", sockets["shell"], *self.machine.shell, *self.machine.boot_arguments(self.display, self.folder),
             "-initrd", self.initramfs, "-append", " ".join(append), *self.display.arguments, *self.more,
-            *(["-incoming", "exec:cat " + self.saved_as] if self.saved_as else [])]
+            *(["-incoming", "exec:cat " + shlex.quote(self.saved_as)] if self.saved_as else [])]
 
     def __enter__(self):
         self.folder = tempfile.mkdtemp(prefix="vm")   # a socket's path has at most 107 bytes
@@ -114,7 +115,9 @@ class Guest:
     def screen(self, head=0):
         """What is seen on the screen."""
         path = os.path.join(self.folder, "screen.ppm")
-        self.qmp("screendump", filename=path, device="video0", head=head)
+        # The card of a Raspberry Pi is a part of it, and the only one.
+        which = {"device": "video0", "head": head} if self.display.has_name else {}
+        self.qmp("screendump", filename=path, **which)
         return Picture.from_ppm(path)
 
     def blocks(self, path, size, first, count):
@@ -144,7 +147,7 @@ class Guest:
     def save_as(self, path):
         """Stops the machine and writes it to a file."""
         self.qmp("stop")
-        self.qmp("migrate", uri="exec:cat >" + path)
+        self.qmp("migrate", uri="exec:cat >" + shlex.quote(path))
         while (state := self.qmp("query-migrate")["status"]) != "completed":
             if state == "failed":
                 raise RuntimeError("the machine cannot be saved")

@@ -41,7 +41,7 @@ def build(architecture):
     command = ["cargo", "build", "--locked", "--quiet", "--release", "--target", target, "--no-default-features",
                "--features", "kms,linuxfb", "--bin", "yurameki"]
     if subprocess.run(command, cwd=ROOT, env={**os.environ, **settings}).returncode:
-        raise Missing("the static program does not build (linuxfb needs libclang: `apt-get install libclang-dev`)")
+        raise RuntimeError("the static program does not build (linuxfb needs libclang: `apt-get install libclang-dev`)")
     return os.path.join(WORK, "build", target, "release", "yurameki")
 
 

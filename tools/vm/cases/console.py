@@ -2,7 +2,7 @@
 import re
 import subprocess
 
-from frame import PICTURE, TEXT, Failed, Frame, check
+from frame import TEXT, Failed, Frame, check
 
 
 def switched(case, card, display):
@@ -46,7 +46,9 @@ def panicked(case):
         panics = _address(names, "alloc::raw_vec::capacity_overflow")
         jump = b"\x48\xb8" + (base + panics).to_bytes(8, "little") + b"\xff\xe0"      # mov rax, panics; jmp rax
         octal = "".join("\\%03o" % byte for byte in jump)
+        frame.do("kill -STOP %s" % pid)
         frame.do("printf '%s' | dd of=/proc/%s/mem bs=1 seek=%d conv=notrunc 2>&1" % (octal, pid, base + called))
+        frame.do("kill -CONT %s" % pid)
         frame.has_ended()
         frame.says("capacity overflow")
         frame.console_is(TEXT)

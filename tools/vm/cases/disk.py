@@ -2,6 +2,7 @@
 import os
 import random
 import re
+import shutil
 import struct
 import subprocess
 import zlib
@@ -12,13 +13,13 @@ from frame import TEXT, Frame, check
 NOTHING_REMEMBERED = "the show goes on, but nothing is remembered"
 
 
-def image(frame, name, mebibytes, folder=None):
-    """An ext4 file system in a file, with what is in `folder`."""
-    path = os.path.join(frame.folder if isinstance(frame, Frame) else frame, name)
+def image(folder, name, mebibytes, content=None):
+    """An ext4 file system in a file of `folder`, with what is in the folder `content`."""
+    path = os.path.join(folder, name)
     if os.path.exists(path):
         os.remove(path)
-    content = ["-d", folder] if folder else []
-    subprocess.run(["mke2fs", "-q", "-t", "ext4", *content, path, "%dM" % mebibytes], check=True, capture_output=True)
+    filled = ["-d", content] if content else []
+    subprocess.run(["mke2fs", "-q", "-t", "ext4", *filled, path, "%dM" % mebibytes], check=True, capture_output=True)
     return path
 
 
@@ -52,11 +53,11 @@ def read_only(case):
 def unreadable(case):
     """A photo stands on bad sectors: it is skipped by name, and the next one shown."""
     folder = os.path.join(program.WORK, case)
-    os.makedirs(os.path.join(folder, "photos"), exist_ok=True)
+    photos = os.path.join(folder, "photos")
+    os.makedirs(photos, exist_ok=True)
     for name in ("bad.jpg", "good.jpg"):
-        with open(program.PHOTO, "rb") as photo, open(os.path.join(folder, "photos", name), "wb") as f:
-            f.write(photo.read())
-    path = image(folder, "photos.ext4", 8, os.path.join(folder, "photos"))
+        shutil.copyfile(program.PHOTO, os.path.join(photos, name))
+    path = image(folder, "photos.ext4", 8, photos)
     blocks = subprocess.run(["debugfs", "-R", "blocks /bad.jpg", path], capture_output=True, text=True, check=True).stdout.split()
     statistics = subprocess.run(["dumpe2fs", "-h", path], capture_output=True, text=True, check=True).stdout
     block_size = int(re.search(r"Block size: +(\d+)", statistics).group(1))
@@ -76,7 +77,7 @@ def lost(case):
     """The disk that the show remembers on is pulled out: the show goes on."""
     modules = ["xhci_pci", "usb_storage", "sd_mod", "ext4", "crc32c_generic"]
     with Frame(case, "bochs", modules=modules, arguments=["-device", "qemu-xhci,id=usb"], append="usb_storage.delay_use=0") as frame:
-        frame.guest.plug_stick("disk", image(frame, "state.ext4", 16))
+        frame.guest.plug_stick("disk", image(frame.folder, "state.ext4", 16))
         frame.wait("the disk", 10, lambda: frame.guest.shell("[ -b /dev/sda ]")[0] == 0)
         frame.do("mkdir /state && mount -t ext4 /dev/sda /state")
         frame.start("kms", "/photos/demo.jpg /photos/drawn.jpg")

@@ -24,7 +24,7 @@ MODULES = ["virtio_pci", "virtio_blk", "ext4", "crc32c_generic"]
 
 
 def cut(case, cuts):
-    """The machine goes on from one and the same moment again and again, and is killed 0 to 2 seconds later. Each time the disk has
+    """The machine goes on from one and the same moment again and again, and is killed up to 1.5 seconds later. Each time the disk has
     the old state or the new one, and no broken one, and the program goes on from the last."""
     folder = os.path.join(program.WORK, case)
     os.makedirs(folder, exist_ok=True)
@@ -46,7 +46,7 @@ def cut(case, cuts):
         shutil.copyfile(start, disk)
         with Guest(guest.machine, guest.display, guest.initramfs, guest.log, arguments, saved_as=saved) as again:
             again.go_on()
-            time.sleep(random.uniform(0, 2))
+            time.sleep(random.uniform(0, 1.5))
             again.cut_power()
         found.add(_hidden(disk))
     check("nothing was written in any of the cuts", max(found) > before)
