@@ -10,7 +10,7 @@ use std::{
 fn main() -> ExitCode {
     let args = yurameki::os::args::Args::parse();
     // What the program may say where RUST_LOG says nothing; how much it does is up to the configuration.
-    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("info,yurameki=trace"))
+    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("warn,yurameki=trace"))
         .format(|line, record| match record.level() {
             log::Level::Info => writeln!(line, "yurameki: {}", record.args()),
             level => writeln!(line, "yurameki: {}: {}", level.as_str().to_lowercase(), record.args()),

@@ -1,11 +1,9 @@
-"""A virtual machine: a Debian kernel under QEMU, its shell by a serial line, its keys and its screen by QMP.
-
-Plain emulation (TCG) only: three seconds to boot, and the same everywhere. /dev/kvm may be there and yet be unable to run a stock
-kernel, as within some virtual machines."""
+"""A virtual machine: a Debian kernel under QEMU, its shell by a serial line, its keys and its screen by QMP."""
+import base64
 import ctypes
-import json
 import os
 import re
+import shlex
 import shutil
 import signal
 import socket
@@ -13,76 +11,10 @@ import subprocess
 import tempfile
 import threading
 import time
+import zlib
 
 from picture import Picture
-
-QEMU = "qemu-system-x86_64"
-# No case takes a minute: a machine that hangs is ended after so many seconds.
-LONGEST_LIFE = 200
-
-
-class Qmp:
-    """QEMU's control socket (QEMU Machine Protocol)."""
-
-    def __init__(self, path, is_alive):
-        deadline = time.monotonic() + 10
-        while True:
-            self.socket = socket.socket(socket.AF_UNIX)
-            try:
-                self.socket.connect(path)
-                break
-            except OSError:
-                self.socket.close()
-                if not is_alive() or time.monotonic() > deadline:
-                    raise RuntimeError("QEMU's control socket does not answer") from None
-                time.sleep(0.01)
-        self.socket.settimeout(30)
-        self.lines = self.socket.makefile("rb")
-        self.lines.readline()
-        self("qmp_capabilities")
-
-    def __call__(self, command, **arguments):
-        self.socket.sendall(json.dumps({"execute": command, "arguments": arguments}).encode() + b"\n")
-        while line := self.lines.readline():
-            answer = json.loads(line)
-            if "error" in answer:
-                raise RuntimeError("%s: %s" % (command, answer["error"]["desc"]))
-            if "return" in answer:
-                return answer["return"]
-        raise RuntimeError("QEMU ended")
-
-
-class Display:
-    """A graphics card: QEMU's arguments, the kernel's, the modules, and whether the firmware must start the kernel."""
-
-    VESA_MODES = {"vesa16": 0x314, "vesa24": 0x315}   # of 800×600
-
-    def __init__(self, name, size):
-        width, height = size
-        at_size = "xres=%d,yres=%d" % size
-        std = ["-device", "VGA,id=video0,edid=on,vgamem_mb=32," + at_size]
-        virtio = "virtio-gpu-pci,id=video0,edid=on," + at_size
-        self.arguments, self.append, self.modules, self.by_firmware = [], "", [], False
-        if name == "bochs":
-            assert width % 8 == 0, "QEMU's VGA rounds the width down to a multiple of 8 and shows the rest sheared"
-            self.arguments, self.modules = std, ["bochs"]
-        elif name == "virtio":
-            self.arguments, self.modules = ["-device", virtio], ["virtio_pci", "virtio_gpu"]
-        elif name == "virtio-padded":   # a second, wider head makes the lines of the shared frame buffer longer than shown
-            self.arguments, self.modules = ["-device", virtio + ",max_outputs=2"], ["virtio_pci", "virtio_gpu"]
-            self.append = "video=Virtual-2:%dx%de" % (width + 222, height)
-        elif name in self.VESA_MODES:
-            assert size == (800, 600)
-            self.arguments, self.by_firmware = std, True
-            self.append = "vga=0x%x" % self.VESA_MODES[name]
-        elif name == "cirrus":          # the DRM driver, whose frame buffer device is RGB565
-            self.arguments, self.modules = ["-device", "cirrus-vga,id=video0"], ["cirrus"]
-            self.append = "video=%dx%d" % size
-        elif name == "cirrusfb":        # the old driver, which pans
-            self.arguments, self.modules = ["-device", "cirrus-vga,id=video0"], ["cirrusfb"]
-            self.append = "cirrusfb.mode_option=%dx%d-16@60" % size
-        else:
-            raise ValueError("no display %r" % name)
+from qmp import Qmp
 
 
 def _die_with_parent():
@@ -92,29 +24,27 @@ def _die_with_parent():
 
 
 class Guest:
-    """with Guest(kernel, initramfs, Display(…), log) as guest: …; `log` takes what the guest's console says."""
+    """with Guest(machine, display, initramfs, log) as guest: …; `log` takes what the guest's console says. `arguments` are more
+    for QEMU, `append` more for the kernel. A guest that was `saved_as` a file goes on from there. None lives longer than `life`
+    seconds."""
 
-    def __init__(self, kernel, initramfs, display, log):
-        self.kernel, self.initramfs, self.display, self.log = kernel, initramfs, display, log
+    def __init__(self, machine, display, initramfs, log, arguments=(), append="", saved_as=None, life=200):
+        self.machine, self.display, self.initramfs, self.log = machine, display, initramfs, log
+        self.more, self.append, self.saved_as, self.life = list(arguments), append, saved_as, life
         self.process = self.qmp = self.line = None
         self.commands = 0
 
     def _arguments(self):
-        unpacked = os.path.join(self.kernel, "vmlinux")
-        packed = os.path.join(self.kernel, "vmlinuz")
-        append = ["panic=-1", "quiet", "random.trust_cpu=on", "audit=0", "apparmor=0", "cryptomgr.notests", "mitigations=off",
-                  "no_timer_check", "vt.global_cursor_default=0", "console=ttyS0", self.display.append]
+        append = ["panic=-1", "quiet", "random.trust_cpu=on", "audit=0", "apparmor=0", "cryptomgr.notests",
+                  "vt.global_cursor_default=0", self.machine.append, self.display.append, self.append]
         sockets = {name: "socket,id=%s,path=%s/%s,server=on,wait=off" % (name, self.folder, name) for name in ("qmp", "shell")}
         return [
-            # The emulated time stamp counter is the host's, whose rate a loaded guest measures wrong; without it the guest goes by
-            # QEMU's own clock.
-            QEMU, "-accel", "tcg", "-M", "q35", "-cpu", "qemu64,-tsc", "-m", "384",
-            "-nodefaults", "-no-user-config", "-no-reboot", "-display", "none",
+            *self.machine.arguments, "-nodefaults", "-no-user-config", "-no-reboot", "-display", "none",
             "-chardev", sockets["qmp"], "-mon", "chardev=qmp,mode=control",
             "-chardev", "file,id=console,path=" + self.log, "-serial", "chardev:console",
-            "-chardev", sockets["shell"], "-serial", "chardev:shell",
-            "-kernel", packed if self.display.by_firmware or not os.path.exists(unpacked) else unpacked,
-            "-initrd", self.initramfs, "-append", " ".join(append).strip(), *self.display.arguments]
+            "-chardev", sockets["shell"], *self.machine.shell, *self.machine.boot_arguments(self.display, self.folder),
+            "-initrd", self.initramfs, "-append", " ".join(append), *self.display.arguments, *self.more,
+            *(["-incoming", "exec:cat " + shlex.quote(self.saved_as)] if self.saved_as else [])]
 
     def __enter__(self):
         self.folder = tempfile.mkdtemp(prefix="vm")   # a socket's path has at most 107 bytes
@@ -122,13 +52,14 @@ class Guest:
         try:
             self.process = subprocess.Popen(self._arguments(), stdin=subprocess.DEVNULL, stdout=self.errors, stderr=self.errors,
                                             preexec_fn=_die_with_parent)
-            self.watch = threading.Timer(LONGEST_LIFE, self.process.kill)
+            self.watch = threading.Timer(self.life, self.process.kill)
             self.watch.daemon = True
             self.watch.start()
             self.qmp = Qmp(self.folder + "/qmp", lambda: self.process.poll() is None)
             self.line = socket.socket(socket.AF_UNIX)
             self.line.connect(self.folder + "/shell")
-            self._wait_for_boot()
+            if not self.saved_as:
+                self._wait_for_boot()
         except BaseException as error:
             self.errors.seek(0)
             said = self.errors.read().strip()
@@ -184,5 +115,50 @@ class Guest:
     def screen(self, head=0):
         """What is seen on the screen."""
         path = os.path.join(self.folder, "screen.ppm")
-        self.qmp("screendump", filename=path, device="video0", head=head)
+        # The card of a Raspberry Pi is a part of it, and the only one.
+        which = {"device": "video0", "head": head} if self.display.has_name else {}
+        self.qmp("screendump", filename=path, **which)
         return Picture.from_ppm(path)
+
+    def blocks(self, path, size, first, count):
+        """The bytes of some blocks of a device in the guest."""
+        status, text = self.shell("dd if=%s bs=%d skip=%d count=%d 2>/dev/null | gzip -1 | base64" % (path, size, first, count))
+        if status:
+            raise RuntimeError("the guest's %s cannot be read: %s" % (path, text))
+        return zlib.decompress(base64.b64decode(text), 31)
+
+    def plug(self, driver, name, **properties):
+        self.qmp("device_add", driver=driver, id=name, **properties)
+
+    def unplug(self, name):
+        """Pulls a device out, without asking the guest if it is one of USB."""
+        self.qmp("device_del", id=name)
+        self.qmp.wait_for("DEVICE_DELETED", name)
+
+    def plug_stick(self, name, image, **properties):
+        """A USB stick whose content is the file `image`."""
+        self.qmp("blockdev-add", driver="raw", node_name=name + "-image", file={"driver": "file", "filename": image})
+        self.plug("usb-storage", name, drive=name + "-image", bus="usb.0", **properties)
+
+    def unplug_stick(self, name):
+        self.unplug(name)
+        self.qmp("blockdev-del", node_name=name + "-image")
+
+    def save_as(self, path):
+        """Stops the machine and writes it to a file."""
+        self.qmp("stop")
+        self.qmp("migrate", uri="exec:cat >" + shlex.quote(path))
+        while (state := self.qmp("query-migrate")["status"]) != "completed":
+            if state == "failed":
+                raise RuntimeError("the machine cannot be saved")
+            time.sleep(0.05)
+
+    def go_on(self):
+        """Starts the machine that was saved."""
+        while self.qmp("query-status")["status"] == "inmigrate":
+            time.sleep(0.02)
+        self.qmp("cont")
+
+    def cut_power(self):
+        self.process.kill()
+        self.process.wait()

@@ -1,6 +1,6 @@
 #!/bin/busybox sh
 # The guest's /init: loads /etc/modules in order, with the parameters that the kernel's command line has as module.name=value, says
-# VM-READY on the console, and then runs the shell commands that come on the second serial line.
+# VM-READY on the console, and then runs the shell commands that come on the serial line that vm.shell= names.
 export PATH=/bin:/sbin HOME=/root
 /bin/busybox --install -s /bin
 mount -t proc proc /proc
@@ -16,7 +16,8 @@ while read -r module; do
     insmod "/lib/modules/$module.ko" $options || echo "VM-ERROR insmod $module $options"
 done </etc/modules
 echo VM-READY
-exec 3<>/dev/ttyS1
+line=$(sed 's/.*vm.shell=\([^ ]*\).*/\1/' /proc/cmdline)
+exec 3<>"$line"
 stty raw -echo 115200 <&3
 # A serial line loses what was sent before it was opened: the host waits for this.
 echo __OPEN >&3

@@ -79,7 +79,7 @@ def load_order(kernel, wanted):
 
 
 def build(kernel, out, modules, files):
-    """Writes the file `out`; `files` is {path in the guest: path here}."""
+    """Writes the file `out`; `files` is {path in the guest: path here, or the bytes themselves}."""
     def read(path):
         with open(path, "rb") as f:
             return f.read()
@@ -92,8 +92,11 @@ def build(kernel, out, modules, files):
     cpio.file("bin/busybox", read(os.path.join(kernel, "busybox")), 0o755)
     cpio.link("bin/sh", "busybox")
     cpio.file("init", read(os.path.join(HERE, "init.sh")), 0o755)
-    for name, path in files.items():
-        cpio.file(name, read(path), os.stat(path).st_mode & 0o777)
+    for name, content in files.items():
+        if isinstance(content, bytes):
+            cpio.file(name, content)
+        else:
+            cpio.file(name, read(content), os.stat(content).st_mode & 0o777)
     order = load_order(kernel, modules)
     for name, path in order:
         cpio.file("lib/modules/%s.ko" % name, read(path))

@@ -63,6 +63,33 @@ class Picture:
             rows.append(above if step == 3 else b"".join(above[i:i + 3] for i in range(0, row_length, 4)))
         return cls(width, height, b"".join(rows))
 
+    @classmethod
+    def from_memory(cls, size, stride, pixel_format, memory):
+        """Of a frame buffer's memory, red in the lowest bits."""
+        width, height = size
+        rgb = bytearray()
+        for start in range(0, height * stride, stride):
+            if pixel_format == "BGR565":
+                for word, in struct.iter_unpack("<H", memory[start:start + width * 2]):
+                    red, green, blue = word & 31, word >> 5 & 63, word >> 11
+                    rgb += bytes((red << 3 | red >> 2, green << 2 | green >> 4, blue << 3 | blue >> 2))
+            else:
+                step = {"BGR888": 3, "XBGR8888": 4}[pixel_format]
+                for at in range(start, start + width * step, step):
+                    rgb += memory[at:at + 3]
+        return cls(width, height, rgb)
+
+    def as_simple_frame_buffer(self):
+        """RGB565 as QEMU's Raspberry Pi shows it: it fills channels up with zeroes, and not with their upper bits."""
+        masks = bytes(value & 0xF8 for value in range(256)), bytes(value & 0xFC for value in range(256))
+        rgb = bytearray(self.rgb)
+        for channel, mask in enumerate((masks[0], masks[1], masks[0])):
+            rgb[channel::3] = rgb[channel::3].translate(mask)
+        return Picture(self.width, self.height, rgb)
+
+    def is_black(self):
+        return not any(self.rgb)
+
     def save_png(self, path):
         def chunk(kind, content):
             return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
