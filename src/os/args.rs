@@ -382,6 +382,20 @@ pub(super) fn factor(word: &str) -> Result<Factor, &'static str> {
 mod tests {
     use super::*;
 
+    #[test]
+    fn the_manual_page_has_every_command() {
+        use clap::CommandFactory;
+        let page = include_str!("../../tools/package/debian/yurameki.1").replace("\\-", "-");
+        let (_, commands) = page.split_once(".SH COMMANDS").expect("a section");
+        let (commands, _) = commands.split_once(".SH").expect("another section");
+        for command in Args::command().get_subcommands() {
+            let name = command.get_name();
+            let is_its_line =
+                |line: &str| line.split(['"', ' ']).any(|word| word == name) && line.starts_with(".B");
+            assert!(commands.lines().any(is_its_line), "{name}");
+        }
+    }
+
     fn kms(
         card: Option<&str>,
         connector: Option<&str>,
