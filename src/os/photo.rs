@@ -130,6 +130,14 @@ pub fn load_within(path: &Path, bounds: Size, limits: &Limits) -> Result<Photo, 
     place(&name, decoded, &options).map_err(named)
 }
 
+/// The bytes of the file at `path`, at the most `limit`. Only regular files are opened, and nothing blocks.
+///
+/// # Errors
+/// As [`load`].
+pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>, PhotoError> {
+    file::read(path, limit).map_err(|fault| PhotoError::new(&path.to_string_lossy(), fault))
+}
+
 /// Resamples a photo to its place on the panel and fills the border.
 fn place(name: &str, photo: Decoded, options: &Options) -> Result<Photo, Fault> {
     let Options { size, fit, background, .. } = *options;
