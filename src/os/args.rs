@@ -213,7 +213,9 @@ impl FromStr for Tolerance {
 
     fn from_str(word: &str) -> Result<Self, Self::Err> {
         let number = word.parse::<f64>().ok().filter(|levels| (0.0..=255.0).contains(levels));
-        number.map(|levels| Self((levels * 16.0).round() as u16)).ok_or("a tolerance is 0 to 255 levels, like 8")
+        number
+            .map(|levels| Self((levels * 16.0).round() as u16))
+            .ok_or("a tolerance is 0 to 255 levels, like 8")
     }
 }
 
@@ -413,7 +415,8 @@ fn target() -> impl TypedValueParser<Value = Target> {
 }
 
 fn yfc_path() -> impl TypedValueParser<Value = PathBuf> {
-    let is_yfc = |path: &PathBuf| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("yfc"));
+    let is_yfc =
+        |path: &PathBuf| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("yfc"));
     clap::builder::PathBufValueParser::new()
         .try_map(move |path| Some(path).filter(is_yfc).ok_or("name a file that ends in .yfc"))
 }

@@ -32,13 +32,13 @@ pub(super) fn encode(args: &args::Encode) -> Result<(), Failure> {
     let mut levels = vec![0; plane.pixels()];
     fill_plane(photo.size, (0, 0), &mut levels, level);
 
-    let options =
-        Options { search: args.search, tolerance_q4: args.tolerance.to_q4(), ..Options::default() };
+    let options = Options { search: args.search, tolerance_q4: args.tolerance.to_q4(), ..Options::default() };
     let mut leaves = vec![Leaf::default(); most_leaves(plane)];
     let mut scratch = vec![0; scratch_len(plane, options.search)];
     let progress = Progress::of_work(plane.pixels() as u64, args.quiet);
     let start = Instant::now();
-    let code = code(&levels, plane, &options, &mut scratch, &mut leaves, |pixels| progress.set(pixels as u64))?;
+    let code =
+        code(&levels, plane, &options, &mut scratch, &mut leaves, |pixels| progress.set(pixels as u64))?;
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
 

@@ -60,13 +60,20 @@ impl fmt::Display for FileError {
         match self {
             Self::NotCoded => write!(f, "this is no .yfc file; `yurameki encode` makes one of a photo"),
             Self::Version(version) => {
-                write!(f, "this .yfc file has version {version}, and this program reads version 1; encode the photo again")
+                write!(
+                    f,
+                    "this .yfc file has version {version}, and this program reads version 1; encode the photo again"
+                )
             }
             Self::Cut => write!(f, "the .yfc file is cut short; copy it again"),
             Self::Longer => write!(f, "the .yfc file goes on after its end; copy it again"),
             Self::Checksum => write!(f, "the .yfc file is damaged: its checksum is wrong; copy it again"),
-            Self::Size(size) => write!(f, "the .yfc file claims {size} pixels; 1 to 16384 a side can be read"),
-            Self::Leaves(count) => write!(f, "the .yfc file claims {count} ranges, which no picture of its size has"),
+            Self::Size(size) => {
+                write!(f, "the .yfc file claims {size} pixels; 1 to 16384 a side can be read")
+            }
+            Self::Leaves(count) => {
+                write!(f, "the .yfc file claims {count} ranges, which no picture of its size has")
+            }
             Self::Body => write!(f, "the .yfc file describes a range that cannot be; encode the photo again"),
         }
     }

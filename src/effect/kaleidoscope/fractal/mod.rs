@@ -20,7 +20,6 @@ pub mod file;
 mod isometry;
 mod search;
 
-
 pub use coder::{Options, encode, most_leaves, scratch_len};
 pub use decoder::{contract, decode, sweep};
 pub(super) use isometry::Strides;

@@ -107,16 +107,17 @@ impl Quarters {
         let turned = |values: [i64; 4], j: u8| {
             // A block of 2 × 2 reads its quarters.
             let strides = Isometry::from_index(j).strides(0, 2, 2);
-            let at = |u: isize, v: isize| {
-                values[(strides.start + u * strides.right + v * strides.down) as usize]
-            };
+            let at =
+                |u: isize, v: isize| values[(strides.start + u * strides.right + v * strides.down) as usize];
             [at(0, 0), at(1, 0), at(0, 1), at(1, 1)]
         };
         let is_canonical = |&j: &u8| {
             let [a, b, c, d] = turned(self.brightness, j);
             a >= b && a >= d && b >= c
         };
-        let j = (0..Isometry::COUNT).find(is_canonical).unwrap_or_else(|| unreachable!("one corner is the brightest"));
+        let j = (0..Isometry::COUNT)
+            .find(is_canonical)
+            .unwrap_or_else(|| unreachable!("one corner is the brightest"));
         let [_, b, c, d] = turned(self.brightness, j);
         let major = u8::from(d > c) + u8::from(d > b);
         (24 * major + order(turned(self.variance, j)), Isometry::from_index(j))

@@ -12,6 +12,10 @@
 //!
 //! the eight dot products are ±P + ±E of just four P (a1 ± a2 ± b1 ± b2) and four E (Epp ± Eqq, Epq ± Eqp), and the largest of each
 //! pair is |P| + |E|: 24 products and a few sums for all eight. This is exact, and what makes an exhaustive search fit for portable code.
+//!
+//! A domain of little contrast cannot be steepened to a range of much, as |s| < 1: with t = |dot| and c = s·|D|/|R|, the
+//! error is |R|²·(1 − 2ct + c²), least at c = t if s allows that. So domains are compared by c·(2t − c); by t alone, camera lost
+//! 0.9 dB.
 
 use super::{
     super::{
@@ -22,11 +26,20 @@ use super::{
     Planes, Pool,
 };
 
-/// Domains that are compared at a time, one a lane: as many as 16 bits go into 128. Each lane keeps its best.
-const LANES: usize = 8;
+/// Domains that are compared at a time, one a lane; each lane keeps its best. So many that the compiler makes vectors of them.
+const LANES: usize = 32;
 
-/// The 16 numbers of 8 domains, Q15: A1 (3), A2, B1, B2 (3), and p, q of four pairs.
-type Group = [[i16; LANES]; 16];
+/// How many lanes' best are compared exactly.
+const BEST: usize = 8;
+
+/// 32 domains: of each its 16 numbers, Q15: A1 (3), A2, B1, B2 (3), and p, q of four pairs; and |D|.
+type Group = [Lanes; 17];
+
+/// A number of each of 32 domains.
+type Lanes = [i16; LANES];
+
+/// Where the |D| are: those of the 4 × 4 means, Q6. The largest is 510 levels.
+const NORMS: usize = 16;
 
 /// More groups than this are searched in parts, as their numbers are 16 bits.
 const MOST_GROUPS: usize = 1 << 15;
@@ -51,7 +64,7 @@ impl<'a> Matched<'a> {
         let Some((groups, turns)) = carved else {
             unreachable!("the memory was as long as the formula asks for")
         };
-        groups.fill([[0; LANES]; 16]);
+        groups.fill([[0; LANES]; 17]);
         for (i, turn) in turns.iter_mut().enumerate() {
             let mut vector = Vector::of(&pool.block(planes, i));
             if canonical {
@@ -59,118 +72,185 @@ impl<'a> Matched<'a> {
                 vector = vector.turned(isometry);
                 *turn = isometry.index();
             }
-            for (lanes, number) in groups[i / LANES].iter_mut().zip(vector.0) {
+            let group = &mut groups[i / LANES];
+            for (lanes, number) in group.iter_mut().zip(vector.numbers) {
                 lanes[i % LANES] = number;
             }
+            group[NORMS][i % LANES] = vector.norm;
         }
         Self { pool, groups, turns: canonical.then_some(turns) }
     }
 
-    /// Tells `found` the best domain of each lane, in the best orientation.
+    /// Tells `found` the best domains of the best lanes, in their best orientation.
     pub(super) fn candidates(&self, range: &Block, mut found: impl FnMut(usize, Isometry)) {
         let vector = Vector::of(range);
+        let reach = Reach::new(vector.norm);
+        let turn = self.turns.map(|_| vector.canonical());
+        let range = turn.map_or(vector, |turn| vector.turned(turn));
+        let spread = range.numbers.map(|number| [number; LANES]);
         for (part, groups) in self.groups.chunks(MOST_GROUPS).enumerate() {
             let first = part * MOST_GROUPS * LANES;
-            match self.turns {
-                None => {
-                    for index in best(groups, |group| all_orientations(group, &vector.0)) {
-                        let domain = self.vector(first + index);
-                        found(first + index, Products::of(&domain, &vector).isometry());
+            let best = match turn {
+                None => best(groups, reach, |group| Products::of(group, &spread).largest()),
+                Some(_) => best(groups, reach, |group| Products::of(group, &spread).in_one_orientation()),
+            };
+            for index in best {
+                let products = Products::of_one(&self.vector(first + index), &range);
+                let isometry = match (self.turns, turn) {
+                    (Some(turns), Some(turn)) => {
+                        let domain = Isometry::from_index(turns[first + index]);
+                        domain.then(turn.inverse()).then(products.opposed())
                     }
-                }
-                Some(turns) => {
-                    let turn = vector.canonical();
-                    let turned = vector.turned(turn);
-                    for index in best(groups, |group| one_orientation(group, &turned.0)) {
-                        let products = Products::of(&self.vector(first + index), &turned);
-                        let isometry =
-                            Isometry::from_index(turns[first + index]).then(turn.inverse());
-                        found(first + index, isometry.then(products.opposed()));
-                    }
-                }
+                    _ => products.isometry(),
+                };
+                found(first + index, isometry);
             }
         }
     }
 
     fn vector(&self, index: usize) -> Vector {
-        Vector(self.groups[index / LANES].map(|lanes| lanes[index % LANES]))
+        let numbers = self.groups[index / LANES].map(|lanes| lanes[index % LANES]);
+        Vector { numbers: core::array::from_fn(|i| numbers[i]), norm: numbers[NORMS] }
     }
 }
 
-/// The best domain of each lane, in the order of the lanes: the first of those with the highest score.
+/// The best domains of the [`BEST`] best lanes, in the order of the domains; of a lane's the first of those with the highest score.
 #[inline(always)]
-fn best(groups: &[Group], score: impl Fn(&Group) -> [i16; LANES]) -> impl Iterator<Item = usize> {
+fn best(groups: &[Group], reach: Reach, dots: impl Fn(&Group) -> Lanes) -> heapless::Vec<usize, BEST> {
     let (mut best, mut at) = ([0_i16; LANES], [0_u16; LANES]);
     for (number, group) in (0_u16..).zip(groups) {
-        let scores = score(group);
+        let scores = reach.scores(&dots(group), &group[NORMS]);
         for lane in 0..LANES {
             let better = scores[lane] > best[lane];
             best[lane] = if better { scores[lane] } else { best[lane] };
             at[lane] = if better { number } else { at[lane] };
         }
     }
-    (0..LANES).filter(move |&lane| best[lane] > 0).map(move |lane| usize::from(at[lane]) * LANES + lane)
+    let mut lanes: [usize; LANES] = core::array::from_fn(|lane| lane);
+    lanes.sort_unstable_by_key(|&lane| (-best[lane], at[lane], lane));
+    let found = lanes[..BEST].iter().filter(|&&lane| best[lane] > 0);
+    let mut found: heapless::Vec<_, BEST> = found.map(|&lane| usize::from(at[lane]) * LANES + lane).collect();
+    found.sort_unstable();
+    found
 }
 
-/// a·b in Q14, rounded down.
+/// What a range of a certain contrast can make of a domain's.
+#[derive(Clone, Copy)]
+struct Reach {
+    /// |D| of 16/15 of |R|, Q6: more is not needed.
+    enough: i16,
+    /// What brings `enough` near the top of 16 bits.
+    shift: u32,
+    /// 15/16 of 1/|R|, so that the product with a shifted |D| is the largest c, Q13.
+    reciprocal: i16,
+}
+
+impl Reach {
+    fn new(norm: i16) -> Self {
+        let enough = (i32::from(norm.max(1)) * 16 / 15).min(i32::from(i16::MAX)) as i16;
+        let shift = enough.leading_zeros() - 1;
+        let reciprocal = ((1_i64 << 29) / (i64::from(enough) << shift)).min(i16::MAX.into()) as i16;
+        Self { enough, shift, reciprocal }
+    }
+
+    /// c·(2t − c), Q12, of every t, Q14.
+    #[inline(always)]
+    fn scores(self, dots: &Lanes, norms: &Lanes) -> Lanes {
+        each(|lane| {
+            let half = product(norms[lane].min(self.enough).wrapping_shl(self.shift), self.reciprocal);
+            let t = dots[lane];
+            let c = t.min(half.wrapping_add(half));
+            product(c, t.wrapping_add(t).wrapping_sub(c))
+        })
+    }
+}
+
+/// a·b of two Q15 in Q14, rounded down.
 #[inline(always)]
 const fn product(a: i16, b: i16) -> i16 {
     ((a as i32 * b as i32) >> 16) as i16
 }
 
-/// The largest |dot| of the eight orientations, Q14.
+// The compiler makes vectors of 16-bit lanes of loops that do one thing to whole arrays, and of no others: half of the speed of
+// the search hangs on it. That is also why a range's numbers are spread over all lanes.
+
 #[inline(always)]
-fn all_orientations(group: &Group, range: &[i16; 16]) -> [i16; LANES] {
-    core::array::from_fn(|lane| Products::of_lane(group, range, lane).largest())
+fn each(number: impl Fn(usize) -> i16) -> Lanes {
+    let mut lanes = [0; LANES];
+    for (lane, out) in lanes.iter_mut().enumerate() {
+        *out = number(lane);
+    }
+    lanes
 }
 
-/// The |dot| of the orientation in which both gradients agree, Q14.
+/// The sum of the products of the domains' and the range's numbers in `places`, Q14.
 #[inline(always)]
-fn one_orientation(group: &Group, range: &[i16; 16]) -> [i16; LANES] {
-    core::array::from_fn(|lane| {
-        let dot = |numbers: core::ops::Range<usize>| {
-            numbers.fold(0, |sum: i16, i| sum.wrapping_add(product(group[i][lane], range[i])))
-        };
-        dot(0..8).wrapping_abs().wrapping_add(dot(8..16))
+fn dot<const N: usize>(group: &Group, range: &[Lanes; 16], places: [(usize, usize); N]) -> Lanes {
+    each(|lane| {
+        places.into_iter().fold(0_i16, |sum, (domain, place)| {
+            sum.wrapping_add(product(group[domain][lane], range[place][lane]))
+        })
     })
 }
 
-/// The sums of products of a domain and a range, Q14.
+/// The sums of products of domains and a range, Q14.
 #[derive(Clone, Copy)]
-struct Products {
-    /// a1, a2, b1, b2.
-    kept: [i16; 4],
+struct Products<T> {
+    a1: T,
+    a2: T,
+    b1: T,
+    b2: T,
     /// Epp, Epq, Eqp, Eqq; the domain's goes first.
-    turned: [i16; 4],
+    turned: [T; 4],
 }
 
-impl Products {
+impl Products<Lanes> {
     #[inline(always)]
-    fn of_lane(group: &Group, range: &[i16; 16], lane: usize) -> Self {
-        Self::sum(|i| group[i][lane], |i| range[i])
-    }
-
-    fn of(domain: &Vector, range: &Vector) -> Self {
-        Self::sum(|i| domain.0[i], |i| range.0[i])
-    }
-
-    #[inline(always)]
-    fn sum(domain: impl Fn(usize) -> i16, range: impl Fn(usize) -> i16) -> Self {
-        let same = |i| product(domain(i), range(i));
-        let pairs = |d: usize, r: usize| {
-            (8..16).step_by(2).fold(0, |sum: i16, i| sum.wrapping_add(product(domain(i + d), range(i + r))))
-        };
-        let three = |i| same(i).wrapping_add(same(i + 1)).wrapping_add(same(i + 2));
+    fn of(group: &Group, range: &[Lanes; 16]) -> Self {
+        let pairs = |d: usize, r: usize| dot(group, range, [8, 10, 12, 14].map(|i| (i + d, i + r)));
         Self {
-            kept: [three(0), same(3), same(4), three(5)],
+            a1: dot(group, range, [(0, 0), (1, 1), (2, 2)]),
+            a2: dot(group, range, [(3, 3)]),
+            b1: dot(group, range, [(4, 4)]),
+            b2: dot(group, range, [(5, 5), (6, 6), (7, 7)]),
             turned: [pairs(0, 0), pairs(0, 1), pairs(1, 0), pairs(1, 1)],
         }
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Products<i16> {
+        let Self { a1, a2, b1, b2, turned } = self;
+        let turned = [turned[0][lane], turned[1][lane], turned[2][lane], turned[3][lane]];
+        Products { a1: a1[lane], a2: a2[lane], b1: b1[lane], b2: b2[lane], turned }
+    }
+
+    /// The largest |dot| of the eight orientations, Q14.
+    #[inline(always)]
+    fn largest(&self) -> Lanes {
+        each(|lane| self.lane(lane).largest())
+    }
+
+    /// The |dot| of the orientation in which both gradients agree, Q14.
+    #[inline(always)]
+    fn in_one_orientation(&self) -> Lanes {
+        each(|lane| {
+            let (p, e) = self.lane(lane).dots()[0];
+            p.wrapping_abs().wrapping_add(e)
+        })
+    }
+}
+
+impl Products<i16> {
+    fn of_one(domain: &Vector, range: &Vector) -> Self {
+        let mut group = [[0; LANES]; 17];
+        group.iter_mut().zip(domain.numbers).for_each(|(lanes, number)| lanes[0] = number);
+        Products::of(&group, &range.numbers.map(|number| [number; LANES])).lane(0)
     }
 
     /// P and E of the four pairs of orientations: by 0° and 180°, by 90° and 270°, mirrored along the axes, mirrored along the diagonals.
     #[inline(always)]
     const fn dots(self) -> [(i16, i16); 4] {
-        let Self { kept: [a1, a2, b1, b2], turned: [pp, pq, qp, qq] } = self;
+        let Self { a1, a2, b1, b2, turned: [pp, pq, qp, qq] } = self;
         let (rotations, mirrors) = (a1.wrapping_add(a2), a1.wrapping_sub(a2));
         let (axes, diagonals) = (b1.wrapping_add(b2), b1.wrapping_sub(b2));
         [
@@ -209,23 +289,28 @@ impl Products {
     }
 }
 
-/// The 16 numbers of a block, Q15, as in [`Group`].
+/// A block's 16 numbers, Q15, and its norm, Q6, as in [`Group`].
 #[derive(Clone, Copy)]
-struct Vector([i16; 16]);
+struct Vector {
+    numbers: [i16; 16],
+    norm: i16,
+}
 
 impl Vector {
     fn of(block: &Block) -> Self {
-        Self::normalised(in_basis(means(block)))
-    }
-
-    fn normalised(numbers: [i64; 16]) -> Self {
+        let numbers = in_basis(means(block));
         let norm = numbers.iter().map(|x| (x * x) as u64).sum::<u64>().isqrt().max(1) as i64;
-        Self(numbers.map(|x| (x * i64::from(i16::MAX) / norm) as i16))
+        // The numbers are 32 times those of the 4 × 4 means, times the pixels of one.
+        let pixels = (block.side() * block.side() / 16) as i64;
+        Self {
+            numbers: numbers.map(|x| (x * i64::from(i16::MAX) / norm) as i16),
+            norm: (2 * norm / pixels).min(i16::MAX.into()) as i16,
+        }
     }
 
     /// The isometry that turns the gradient into the first eighth of the plane.
     fn canonical(&self) -> Isometry {
-        let sum = |first: usize| (first..16).step_by(2).map(|i| i32::from(self.0[i])).sum::<i32>();
+        let sum = |first: usize| (first..16).step_by(2).map(|i| i32::from(self.numbers[i])).sum::<i32>();
         let (p, q) = (sum(8), sum(9));
         let sign = |x: i32| if x < 0 { -1 } else { 1 };
         Isometry::of(if p.abs() >= q.abs() { [sign(p), 0, 0, sign(q)] } else { [0, sign(q), sign(p), 0] })
@@ -235,7 +320,7 @@ impl Vector {
         let [a, b, c, d] = isometry.matrix().map(i16::from);
         let axes = if a == 0 { -1 } else { 1 };
         let rotation = a * d - b * c;
-        let mut turned = self.0;
+        let mut turned = self.numbers;
         turned[3] *= rotation;
         turned[4] *= axes;
         turned[5..8].iter_mut().for_each(|x| *x *= rotation * axes);
@@ -243,7 +328,7 @@ impl Vector {
             let [p, q] = *pair;
             *pair = [a * p + b * q, c * p + d * q];
         }
-        Self(turned)
+        Self { numbers: turned, norm: self.norm }
     }
 }
 
@@ -329,7 +414,7 @@ mod tests {
                 correlation(turned.levels(), &range).abs()
             }).collect();
             let best = dots.iter().copied().fold(0.0, f64::max);
-            let products = Products::of(&Vector::of(&d), &Vector::of(&r));
+            let products = Products::of_one(&Vector::of(&d), &Vector::of(&r));
             let got = f64::from(products.largest()) / 16_384.0;
             prop_assert!((got - best).abs() < 0.002, "{got} for {best}");
             let chosen = dots[usize::from(products.isometry().index())];
@@ -344,11 +429,11 @@ mod tests {
                 let vector = Vector::of(&block);
                 vector.turned(vector.canonical())
             });
-            let dot = Products::of(&a, &b);
+            let dot = Products::of_one(&a, &b);
             let (p, e) = dot.dots()[0];
             // Where the gradient lies on the border of two eighths, rounding may choose either.
             let gradient = |v: &Vector| (8..16).step_by(2).fold((0, 0), |(p, q), i| {
-                (p + i32::from(v.0[i]), q + i32::from(v.0[i + 1]))
+                (p + i32::from(v.numbers[i]), q + i32::from(v.numbers[i + 1]))
             });
             let (gp, gq) = gradient(&a);
             prop_assume!(gq > 50 && gp - gq > 50);

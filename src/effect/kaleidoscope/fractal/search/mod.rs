@@ -5,11 +5,7 @@
 mod classes;
 mod matched;
 
-use super::{
-    block::Block,
-    coder::Planes,
-    isometry::Isometry,
-};
+use super::{block::Block, coder::Planes, isometry::Isometry};
 use crate::frame::Size;
 use classes::Classes;
 use matched::Matched;
@@ -17,7 +13,7 @@ use matched::Matched;
 /// Where domains are looked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Search {
-    /// Nowhere: the domain around the range.
+    /// Nowhere: the domain around the range, in all orientations.
     None,
     /// Among 7 × 7 domains around the range, in all orientations.
     #[default]
@@ -90,7 +86,7 @@ pub(super) const fn pool_len(size: Size, search: Search) -> usize {
 
 /// Finds candidates for ranges of one side.
 pub(super) enum Finder<'a> {
-    None,
+    Concentric,
     Local,
     Matched(Matched<'a>),
     Classes(Classes<'a>),
@@ -101,7 +97,7 @@ impl<'a> Finder<'a> {
     pub(super) fn new(planes: &Planes<'_>, side: usize, search: Search, memory: &'a mut [u64]) -> Self {
         let pool = Pool::new(planes.size, side);
         match search {
-            Search::None => Self::None,
+            Search::None => Self::Concentric,
             Search::Local => Self::Local,
             Search::Filter8 => Self::Matched(Matched::new(planes, pool, false, memory)),
             Search::FilterC => Self::Matched(Matched::new(planes, pool, true, memory)),
@@ -118,8 +114,8 @@ impl<'a> Finder<'a> {
         mut found: impl FnMut(u16, u16, u8),
     ) {
         match self {
-            Self::None => {}
-            Self::Local => local(planes, range.side(), (x, y), found),
+            Self::Concentric => local(planes, range.side(), (x, y), 0, found),
+            Self::Local => local(planes, range.side(), (x, y), LOCAL_REACH, found),
             Self::Matched(matched) => matched.candidates(range, |index, isometry| {
                 let (x, y) = matched.pool.place(index);
                 found(x as u16, y as u16, isometry.index());
@@ -132,12 +128,18 @@ impl<'a> Finder<'a> {
     }
 }
 
-/// The domains around the one around the range at (x, y).
-fn local(planes: &Planes<'_>, side: usize, (x, y): (usize, usize), mut found: impl FnMut(u16, u16, u8)) {
+/// The domains up to `reach` steps from the one around the range at (x, y).
+fn local(
+    planes: &Planes<'_>,
+    side: usize,
+    (x, y): (usize, usize),
+    reach: isize,
+    mut found: impl FnMut(u16, u16, u8),
+) {
     let middle = super::Leaf::concentric(x as u16, y as u16, side as u8, planes.size);
     let most = |length: u32| length as isize / 2 - side as isize;
     let places = |at: u16, length: u32| {
-        (-LOCAL_REACH..=LOCAL_REACH)
+        (-reach..=reach)
             .map(move |i| at as isize + i * STEP as isize)
             .filter(move |place| (0..=most(length)).contains(place))
     };
