@@ -8,7 +8,7 @@ use crate::{
     config::{self, EffectChoice, Preset},
     display::sim,
     effect::{
-        kaleidoscope::fractal::Search,
+        kaleidoscope::{self, fractal::Search},
         shimmer::{Branch, Light, Range},
     },
     frame::{PixelFormat, Rotation, Size},
@@ -243,7 +243,7 @@ pub struct Look {
     /// The seed of the noises: the same seed, the same motion.
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// The effect: shimmer.
+    /// The effect: shimmer or kaleidoscope.
     #[arg(long)]
     pub effect: Option<EffectChoice>,
     /// The paper's set-up for poplar, rowan, river or waterfall; single options go before it.
@@ -279,6 +279,18 @@ pub struct Look {
     /// Where the wind blows to, degrees clockwise from the top, -360 to 360, for the travelling range.
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = clap::value_parser!(i16).range(-360..=360))]
     pub wind: Option<i16>,
+    /// The photo whose colours a kaleidoscope takes; in a show, by default, that of another photo.
+    #[arg(long, value_name = "PHOTO")]
+    pub reference: Option<PathBuf>,
+    /// What a kaleidoscope makes of the photo: tonal, watercolour, or literal as its paper has it.
+    #[arg(long)]
+    pub mode: Option<kaleidoscope::Mode>,
+    /// Where a kaleidoscope's coder looks for domains: none, local, filter8, filterC or classes72.
+    #[arg(long)]
+    pub search: Option<Search>,
+    /// How many symbols the addresses of a kaleidoscope have, 1 to 3: with fewer, colours are means over larger parts.
+    #[arg(long, value_name = "M", value_parser = clap::value_parser!(u8).range(1..=3))]
+    pub depth: Option<u8>,
     /// How a photo of another shape fills the panel: blurred, fill or plain.
     #[arg(long)]
     pub fit: Option<Fit>,
