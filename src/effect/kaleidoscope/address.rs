@@ -40,7 +40,7 @@ pub(super) fn fill(code: &Code<'_>, symbols: &Symbols<'_>, levels: &[u8], addres
                 for i in (y + v) * width + x..(y + v) * width + x + side {
                     let symbol = match symbols {
                         Symbols::Literal(_) => range_symbol,
-                        Symbols::Tonal(tones) => tones.0[usize::from(levels[i])],
+                        Symbols::Tonal(tones) => tones.symbols[usize::from(levels[i])],
                     };
                     let (column, row) = (at as usize % (width / 2), at as usize / (width / 2));
                     let further = addresses[2 * row * width + 2 * column];
@@ -52,21 +52,44 @@ pub(super) fn fill(code: &Code<'_>, symbols: &Symbols<'_>, levels: &[u8], addres
     }
 }
 
-/// The symbol of every level: how many of the picture's pixels are darker, in sixteenths.
+/// The symbol of every level, and what a symbol looks like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Tones([u8; 256]);
+pub(super) struct Tones {
+    symbols: [u8; 256],
+    /// The mean level of a symbol's pixels.
+    pub(super) levels: [u8; SYMBOLS],
+}
 
 impl Tones {
-    /// Of a picture of these levels. A level's rank is that of the middle of its pixels.
+    /// Of a picture of these levels. A symbol is halfway between how many pixels are darker (a level's rank is that of the middle of its pixels)
+    /// and how much darker the darkest is. By rank alone the haze of a sky, which is half of a picture, would be torn into eight
+    /// tones that nobody sees in it.
     pub(super) fn new(levels: &[u8]) -> Self {
         let mut counts = [0_u64; 256];
         levels.iter().for_each(|&z| counts[usize::from(z)] += 1);
+        let darkest = counts.iter().position(|&count| count > 0).unwrap_or(0) as u64;
+        let lightest = counts.iter().rposition(|&count| count > 0).unwrap_or(255) as u64;
+        let (total, span) = ((levels.len() as u64).max(1), lightest - darkest + 1);
         let mut darker = 0;
-        Self(counts.map(|count| {
-            let rank = 2 * darker + count;
+        let mut z = 0;
+        let symbols = counts.map(|count| {
+            let rank = ((2 * darker + count) << 16) / (2 * total);
+            let tone = ((2 * z.clamp(darkest, lightest) + 1 - 2 * darkest) << 16) / (2 * span);
             darker += count;
-            ((SYMBOLS as u64 * rank) / (2 * levels.len() as u64).max(1)).min(SYMBOLS as u64 - 1) as u8
-        }))
+            z += 1;
+            ((SYMBOLS as u64 * (rank + tone)) >> 17).min(SYMBOLS as u64 - 1) as u8
+        });
+        let mut sums = [(0_u64, 0_u64); SYMBOLS];
+        for (z, (&symbol, &count)) in (0_u64..).zip(symbols.iter().zip(&counts)) {
+            let (sum, pixels) = &mut sums[usize::from(symbol)];
+            (*sum, *pixels) = (*sum + z * count, *pixels + count);
+        }
+        let mut last = darkest as u8;
+        let levels = sums.map(|(sum, pixels)| {
+            last = (sum + pixels / 2).checked_div(pixels).map_or(last, |mean| mean as u8);
+            last
+        });
+        Self { symbols, levels }
     }
 }
 

@@ -1,11 +1,12 @@
 //! How the windows move, and the colours that they give.
 
 use super::{
-    address::SYMBOLS,
+    address::{SYMBOLS, Tones},
     texture::{SIDE, Texel},
     windows::{Place, Summary, UNIT, Windows, folded},
 };
 use crate::{
+    frame::pack::Level,
     math::{Factor, Turns, smoothstep},
     noise::drive::Drive,
 };
@@ -23,7 +24,7 @@ const REACH: i32 = UNIT / 14;
 /// Where the mirrors are, and which windows are seen.
 #[derive(Clone, Debug)]
 pub(super) struct Mirrors {
-    summary: Option<Summary>,
+    tonal: Option<(Summary, Tones)>,
     before: Windows,
     now: Windows,
     /// Frames since `now` was chosen.
@@ -34,14 +35,14 @@ pub(super) struct Mirrors {
 }
 
 impl Mirrors {
-    /// With a summary the windows are chosen by their tones; without one they are tiles.
-    pub(super) fn new(summary: Option<Summary>) -> Self {
+    /// With a summary of the reference and the tones of the photo, windows are chosen by their tones; without them they are tiles.
+    pub(super) fn new(tonal: Option<(Summary, Tones)>) -> Self {
         let still = Windows([[0; 2]; SYMBOLS]);
-        let windows = match &summary {
-            Some(summary) => Windows::tonal(summary, &still, None),
+        let windows = match &tonal {
+            Some((summary, _)) => Windows::tonal(summary, &still, None),
             None => Windows::tiles(),
         };
-        Self { summary, before: windows, now: windows, age: 0, turned: 0, last: None }
+        Self { tonal, before: windows, now: windows, age: 0, turned: 0, last: None }
     }
 
     /// Moves on to the frame of `drive`. One that is as the one before changes nothing: a picture that is halted stands still.
@@ -57,7 +58,7 @@ impl Mirrors {
         if self.age == CHOSEN_FOR {
             self.age = 0;
             self.before = self.now;
-            if let Some(summary) = &self.summary {
+            if let Some((summary, _)) = &self.tonal {
                 self.now = Windows::tonal(summary, &self.shifts(), Some(&self.before));
             }
         }
@@ -70,7 +71,9 @@ impl Mirrors {
     /// How far every window is from its place: each goes round it on a circle, at its own hour.
     fn shifts(&self) -> Windows {
         let amplitude = self.last.map_or(Factor::ZERO, |drive| drive.amplitude);
-        let along = |part: Factor| (part * amplitude * REACH).to_num::<i32>();
+        let along = |part: Factor| {
+            ((i64::from((part * amplitude).to_bits()) * i64::from(REACH)) >> Factor::FRAC_NBITS) as i32
+        };
         Windows(core::array::from_fn(|k| {
             // The golden angle: neighbours in tone are not neighbours in direction.
             let angle = self.angle().plus(Turns((k as u32).wrapping_mul(2_654_435_769)));
@@ -80,6 +83,16 @@ impl Mirrors {
 
     /// Fills `table` with the colours of all addresses of `depth` symbols.
     pub(super) fn colours(&self, texels: &[Texel], depth: u32, table: &mut [Texel]) {
+        self.mixed(texels, depth, table);
+        if let Some((_, tones)) = &self.tonal {
+            for (window, &level) in table.chunks_exact_mut(SYMBOLS.pow(depth - 1)).zip(&tones.levels) {
+                tone(window, Level::from(level) << 4);
+            }
+        }
+    }
+
+    /// Fills `table` with the colours of the reference: those of the windows before and of those now, as the age demands.
+    fn mixed(&self, texels: &[Texel], depth: u32, table: &mut [Texel]) {
         let (shifts, turn) = (self.shifts(), Turn::new(self.angle()));
         let before = Addresses::new(&self.before, &shifts, turn);
         if self.before == self.now {
@@ -87,12 +100,37 @@ impl Mirrors {
             return;
         }
         let now = Addresses::new(&self.now, &shifts, turn);
-        let share = Factor::from_num(self.age) / CHOSEN_FOR as i32;
-        let share = (smoothstep(share) * 16).round().to_num::<u64>();
+        let age =
+            Factor::from_bits(((u64::from(self.age) << Factor::FRAC_NBITS) / u64::from(CHOSEN_FOR)) as i32);
+        let share =
+            (smoothstep(age).to_bits() as u64 * 16 + (1 << (Factor::FRAC_NBITS - 1))) >> Factor::FRAC_NBITS;
         before.each(depth, |address, place| table[address] = sample(texels, place));
         now.each(depth, |address, place| {
             table[address] = table[address].towards(sample(texels, place), share);
         });
+    }
+}
+
+/// How far a window's mean luma is brought to the level that its symbol has in the photo, in sixteenths. At 0 a reference without darkness
+/// or light of its own leaves nothing to be seen of the photo; at 16 it gives its hues, and nothing of its mood.
+const TONED: i32 = 10;
+
+/// Brings the mean luma of a window's colours nearer to `wanted`, all alike: darker colours are scaled down, lighter ones half scaled up and half
+/// mixed with white. White alone would make pastels of all colours, scaling alone would clip them.
+fn tone(window: &mut [Texel], wanted: Level) {
+    const WHITE: i32 = 255 << 4;
+    let sum: u32 = window.iter().map(|texel| u32::from(texel.luma())).sum();
+    let mean = ((sum / window.len() as u32) as i32).max(1);
+    let change = (i32::from(wanted) - mean) * TONED / 16;
+    let (scaled, lighter) = if change < 0 { (change, 0) } else { (change / 2, change - change / 2) };
+    let scale = ((mean + scaled) << 12) / mean;
+    let white = (lighter << 12) / (WHITE - mean).max(1);
+    for texel in window {
+        let toned = |channel: Level| {
+            let scaled = ((i32::from(channel) * scale) >> 12).min(WHITE);
+            (scaled + (((WHITE - scaled) * white) >> 12)) as Level
+        };
+        *texel = Texel::new(texel.channels().map(toned));
     }
 }
 

@@ -73,6 +73,10 @@ impl<'a> Planes<'a> {
 /// Sweeps of the decoder: from grey, photos are settled to within a level.
 const SWEEPS: u32 = 6;
 
+/// How far a range may be off: half of what coders are compared at. Compression is not the aim, and borders of ranges are seen first where the
+/// picture is smooth.
+const TOLERANCE_Q4: u16 = 4 << 4;
+
 pub(super) fn prepare<S: AsMut<[u64]>>(
     photo: Photo<'_>,
     reference: Reference<'_>,
@@ -101,8 +105,8 @@ pub(super) fn prepare<S: AsMut<[u64]>>(
         fill_addresses(planes.rgb, photo.size, shift, settings, &mut tones, planes.scratch, layer)
             .ok_or(too_small)?;
     }
-    let summary = (mode != Mode::Literal).then(|| Summary::new(planes.texels));
-    Ok(Kaleidoscope { size: photo.size, mode, depth, mirrors: Mirrors::new(summary), storage })
+    let tonal = tones.map(|tones| (Summary::new(planes.texels), tones));
+    Ok(Kaleidoscope { size: photo.size, mode, depth, mirrors: Mirrors::new(tonal), storage })
 }
 
 /// Codes the photo with its corner at `shift` and fills the addresses of its pixels. `tones` are those of the first code.
@@ -121,7 +125,7 @@ fn fill_addresses(
     let contracted = take::<u8>(memory, plane.pixels() / 4)?;
     let leaves = take::<Leaf>(memory, most_leaves(plane))?;
     fractal::fill_plane(size, shift, levels, |i| luma(rgb[i]));
-    let options = Options { search: settings.search, ..Options::default() };
+    let options = Options { search: settings.search, tolerance_q4: TOLERANCE_Q4, ..Options::default() };
     let code = fractal::encode(levels, plane, &options, memory, leaves, |_| ()).ok()?;
     fractal::decode(&code, SWEEPS, levels, contracted);
 

@@ -43,7 +43,7 @@ impl Windows {
                 let found = summary.at([place[0] + shifts.0[k][0], place[1] + shifts.0[k][1]]);
                 let overlap: i32 = (0..SYMBOLS).filter(taken).map(|j| overlap(place, windows.0[j])).sum();
                 let kept = before.is_some_and(|before| before.0[k] == place);
-                TONE * (i32::from(found.luma) - wanted).abs() - i32::from(found.saturation) * SATURATION
+                TONE * (i32::from(found.luma) - wanted).abs() - i32::from(found.saturation) * SATURATION / 2
                     + overlap * OVERLAP
                     - if kept { KEPT } else { 0 }
             };
@@ -69,7 +69,7 @@ const fn candidate(i: usize) -> Place {
 // window that covers another is worth 12 levels of wrong tone, a colourful one in place of a grey one about as much.
 const TONE: i32 = 4;
 const SATURATION: i32 = 1;
-const OVERLAP: i32 = 48;
+const OVERLAP: i32 = 160;
 const KEPT: i32 = 256;
 
 /// How much of a window another covers, in sixteenths.
