@@ -289,7 +289,7 @@ impl Reader<'_> {
 }
 
 /// CRC-32 of all `parts`.
-fn checksum(parts: &[&[u8]]) -> u32 {
+pub(super) fn checksum(parts: &[&[u8]]) -> u32 {
     const TABLE: [u32; 256] = {
         let mut table = [0; 256];
         let mut i = 0;
