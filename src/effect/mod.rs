@@ -6,11 +6,9 @@
 
 pub mod kaleidoscope;
 pub mod paint;
-mod picture;
 pub mod shimmer;
 
 pub use paint::Paint;
-pub use picture::{Picture, PictureMoment};
 
 use crate::{
     frame::{FrameMut, Size, pack::Levels},

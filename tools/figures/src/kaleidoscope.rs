@@ -14,7 +14,7 @@ use yurameki::{
 
 /// Arguments of `kaleidoscope`.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     /// Pictures to code, as they are and shrunk to 256 pixels.
     #[arg(long, value_name = "PICTURE", num_args = 1..)]
     coding: Vec<PathBuf>,
@@ -35,7 +35,7 @@ pub struct Args {
     counted_side: u32,
 }
 
-pub fn measure(args: &Args) -> Result<(), Failure> {
+pub(crate) fn measure(args: &Args) -> Result<(), Failure> {
     if let Some(frames) = args.counted_frames {
         cost::render(frames, args.counted_mode, args.counted_side);
         return Ok(());

@@ -181,10 +181,16 @@ pub fn write(code: &Code<'_>, size: Size, file: &mut [u8]) -> usize {
     header[4..6].copy_from_slice(&(size.width as u16).to_le_bytes());
     header[6..8].copy_from_slice(&(size.height as u16).to_le_bytes());
     header[8..12].copy_from_slice(&(code.leaves.len() as u32).to_le_bytes());
-    header[12..16].copy_from_slice(&(length as u32).to_le_bytes());
-    let sum = checksum(&[&header[..16], &body[..length]]);
-    header[16..20].copy_from_slice(&sum.to_le_bytes());
+    seal(&mut file[..HEADER + length]);
     HEADER + length
+}
+
+/// Gives `file` the length of its body and its checksum, whatever else it is; one without room for a header stays as it is.
+pub fn seal(file: &mut [u8]) {
+    let Some((header, body)) = file.split_at_mut_checked(HEADER) else { return };
+    header[12..16].copy_from_slice(&(body.len() as u32).to_le_bytes());
+    let sum = checksum(&[&header[..16], body]);
+    header[16..20].copy_from_slice(&sum.to_le_bytes());
 }
 
 /// Bits that a place in the contracted plane takes.
@@ -289,7 +295,7 @@ impl Reader<'_> {
 }
 
 /// CRC-32 of all `parts`.
-pub(super) fn checksum(parts: &[&[u8]]) -> u32 {
+fn checksum(parts: &[&[u8]]) -> u32 {
     const TABLE: [u32; 256] = {
         let mut table = [0; 256];
         let mut i = 0;

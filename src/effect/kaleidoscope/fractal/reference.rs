@@ -206,12 +206,7 @@ fn a_file_of_another_version_is_refused_by_its_number() {
 
 /// A file whose checksum is right, whatever it claims.
 fn sealed(mut file: Vec<u8>) -> Vec<u8> {
-    if file.len() >= 20 {
-        let length = (file.len() - 20) as u32;
-        file[12..16].copy_from_slice(&length.to_le_bytes());
-        let sum = file::checksum(&[&file[..16], &file[20..]]);
-        file[16..20].copy_from_slice(&sum.to_le_bytes());
-    }
+    file::seal(&mut file);
     file
 }
 

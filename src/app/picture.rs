@@ -1,12 +1,12 @@
 //! A photo with the effect that was chosen for it.
 
-use super::{
-    Effect, Moment, Photo, StorageTooSmall,
-    kaleidoscope::{self, Kaleidoscope, Reference},
-    shimmer::{self, Shimmer},
-};
 use crate::{
     config::{EffectChoice, Life},
+    effect::{
+        Effect, Moment, Photo, StorageTooSmall,
+        kaleidoscope::{self, Kaleidoscope, Reference},
+        shimmer::{self, Shimmer},
+    },
     frame::{Size, pack::Levels},
     noise::drive::Drive,
 };
