@@ -13,6 +13,7 @@ use yurameki::{
     display::sim::{Buffering, Sim, memory_len},
     effect::{
         Photo,
+        kaleidoscope::{self, Kaleidoscope, Mode, Reference},
         shimmer::{Range, Shimmer, storage_len},
     },
     frame::{Layout, PixelFormat, Size},
@@ -115,5 +116,32 @@ fn a_prepared_photo_shows_a_thousand_frames_without_the_heap() {
             assert_eq!(shown, 0, "{range} {format}: a running show takes the heap");
             assert!(lent.log().presents() == 1_000 && show.frame() == 1_000);
         }
+    }
+}
+
+#[test]
+fn a_kaleidoscope_is_prepared_and_shows_its_frames_without_the_heap() {
+    let rgb: Vec<u8> = (0..SIZE.pixels() * 3).map(|i| (i * i / 7 % 256) as u8).collect();
+    let photo = Photo { size: SIZE, rgb: &rgb, mask: &[] };
+    let reference = Reference { size: SIZE, rgb: &rgb };
+    let layout = Layout::new(SIZE, PixelFormat::Xrgb8888, None).expect("a good layout");
+    let mut memory = vec![0; memory_len(layout, Buffering::Double)];
+    for &(name, mode) in Mode::NAMES {
+        let settings = kaleidoscope::Settings { mode, ..Default::default() };
+        let mut storage = vec![0; kaleidoscope::storage_len(SIZE, &settings)];
+        let prepared =
+            calls(|| Kaleidoscope::prepare(photo, reference, &settings, &mut storage[..]).map(drop));
+        assert_eq!(prepared, 0, "{name}: preparing takes the heap");
+
+        let mut kaleidoscope =
+            Kaleidoscope::prepare(photo, reference, &settings, &mut storage[..]).expect("enough storage");
+        let mut lent = Sim::new(&mut memory[..], layout, Buffering::Double, 0).expect("enough memory");
+        let mut show = Show::new(Life::default().drive, 12, 1);
+        let shown = calls(|| {
+            for _ in 0..200 {
+                assert_eq!(show.turn(&mut kaleidoscope, "a photo.jpg", &mut lent), Ok(()));
+            }
+        });
+        assert_eq!(shown, 0, "{name}: a running show takes the heap");
     }
 }

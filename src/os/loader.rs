@@ -3,11 +3,10 @@
 use super::{
     Failure,
     config::Config,
-    scene::{self, Scene, Source},
+    scene::{self, Scene, Source, Way},
 };
 use crate::{
-    app::playlist::PhotoId,
-    effect::shimmer::{Shimmer, storage_len},
+    app::{Picture, playlist::PhotoId},
     frame::Size,
     noise::drive,
 };
@@ -26,7 +25,9 @@ pub(super) struct Living {
     /// What the information says of it.
     pub(super) caption: String,
     pub(super) size: Size,
-    pub(super) shimmer: Shimmer<Vec<u64>>,
+    pub(super) picture: Picture<Vec<u64>>,
+    /// How it lives.
+    pub(super) way: Way,
     /// The noises and times of the photo's own look.
     pub(super) drive: drive::Settings,
     /// How long it is to be shown.
@@ -40,6 +41,10 @@ struct Order {
     id: PhotoId,
     /// `None` is the demo photo.
     path: Option<PathBuf>,
+    /// The photo whose colours a kaleidoscope takes.
+    other: Option<PathBuf>,
+    /// How it is to live, where a button has chosen that.
+    way: Option<Way>,
     size: Size,
     storage: Vec<u64>,
     config: Arc<Config>,
@@ -90,10 +95,20 @@ impl Loader {
         self.at.is_some()
     }
 
-    /// Orders a photo for a panel of `size`, as `config` says; without a path, the demo photo.
-    pub(super) fn order(&mut self, id: PhotoId, path: Option<PathBuf>, size: Size, config: &Arc<Config>) {
+    /// Orders a photo for a panel of `size`, as `config` says; without a path, the demo photo. A kaleidoscope takes the colours of
+    /// the `other` one.
+    pub(super) fn order(
+        &mut self,
+        id: PhotoId,
+        path: Option<PathBuf>,
+        other: Option<PathBuf>,
+        way: Option<Way>,
+        size: Size,
+        config: &Arc<Config>,
+    ) {
         let (storage, config) = (self.spare.pop().unwrap_or_default(), Arc::clone(config));
-        self.at = self.orders.send(Order { id, path, size, storage, config }).is_ok().then_some(id);
+        let order = Order { id, path, other, way, size, storage, config };
+        self.at = self.orders.send(order).is_ok().then_some(id);
         self.cancelled = false;
     }
 
@@ -119,22 +134,22 @@ impl Loader {
     pub(super) fn recycle(&mut self, living: Living) {
         // One is loaded while one is shown: more is never needed.
         if self.spare.is_empty() {
-            self.spare.push(living.shimmer.into_storage());
+            self.spare.push(living.picture.into_storage());
         }
     }
 }
 
 fn load(order: Order) -> Result<Living, Failure> {
-    let Order { id, path, size, mut storage, config } = order;
+    let Order { id, path, other, way, size, storage, config } = order;
     let source = path.as_deref().map_or(Source::Demo, Source::File);
-    let scene = Scene::load(source, size, &config)?;
+    let scene = Scene::load_as(source, other.as_deref(), way, size, &config)?;
     let life = scene::turned(scene.look().life.at(config.frames_per_second), config.rotation);
-    storage.resize(storage_len(size), 0);
     Ok(Living {
         id,
         caption: scene.caption().to_owned(),
         size,
-        shimmer: Shimmer::prepare(scene.photo(), &life.shimmer, storage)?,
+        way: scene.way(),
+        picture: scene.prepare(&life, storage)?,
         drive: life.drive,
         seconds: scene.look().seconds,
         stale: false,

@@ -11,6 +11,7 @@ use super::{
     loader::{Living, Loader},
     panel::Panel,
     render,
+    scene::Way,
     service::{Idle, Service},
     set_log_level,
     stdout::print_line,
@@ -109,6 +110,8 @@ struct Running {
     leaving: Option<Living>,
     next: Option<Living>,
     dwell: Dwell,
+    /// How photos live, once a button has chosen that.
+    way: Option<Way>,
     /// The photos were named on the command line.
     typed: bool,
 }
@@ -151,6 +154,7 @@ impl Running {
             leaving: None,
             next: None,
             dwell: Dwell::new(None),
+            way: None,
             typed,
         })
     }
@@ -211,8 +215,8 @@ impl Running {
         let Some(current) = self.current.as_mut().filter(|_| !self.dimmer.is_dark()) else {
             return self.say_why_nothing().map(|()| false);
         };
-        let leaving = self.leaving.as_mut().map(|leaving| &mut leaving.shimmer);
-        self.show.turn_from(leaving, &mut current.shimmer, &current.caption, &mut self.panel)?;
+        let leaving = self.leaving.as_mut().map(|leaving| &mut leaving.picture);
+        self.show.turn_from(leaving, &mut current.picture, &current.caption, &mut self.panel)?;
         self.service.shown(Instant::now(), &current.caption, self.show.noises(), self.show.is_paused());
         self.dimmer.shown();
         if !self.show.is_fading()
@@ -251,7 +255,9 @@ impl Running {
     fn supply(&mut self) -> Result<(), Failure> {
         let size = self.panel.mode().layout.size;
         match self.loader.take() {
-            Some((_, Ok(living))) if living.size == size => self.next = Some(living),
+            Some((_, Ok(living))) if living.size == size && self.is_wanted(&living) => {
+                self.next = Some(living)
+            }
             Some((_, Ok(living))) => self.loader.recycle(living),
             // The only photo that somebody has asked for.
             Some((_, Err(failure))) if self.typed && !self.album.goes_on() && self.current.is_none() => {
@@ -263,7 +269,11 @@ impl Running {
             None => {}
         }
         let Some(wanted) = self.album.current() else { return self.give_up() };
-        let shown = self.current.as_ref().filter(|living| !living.stale).map(|living| living.id);
+        let shown = self
+            .current
+            .as_ref()
+            .filter(|living| !living.stale && self.is_wanted(living))
+            .map(|living| living.id);
         if shown == Some(wanted) {
             if self.next.is_none() && self.leaving.is_none() && !self.loader.is_busy() {
                 self.order_upcoming(size);
@@ -274,14 +284,30 @@ impl Running {
             if let Some(other) = self.next.take() {
                 self.loader.recycle(other);
             }
-            self.loader.order(wanted, self.album.path(wanted), size, &self.config);
+            let other = self.album.neighbour(wanted);
+            self.loader.order(wanted, self.album.path(wanted), other, self.way, size, &self.config);
         }
         Ok(())
     }
 
+    /// Whether a photo lives in the way that a button has chosen.
+    fn is_wanted(&self, living: &Living) -> bool {
+        self.way.is_none_or(|way| living.way.looks_as(way))
+    }
+
+    /// The photo comes again in another way, once it is prepared; that one goes on meanwhile.
+    fn next_way(&mut self) {
+        let Some(current) = &self.current else { return };
+        self.way = Some(self.way.unwrap_or(current.way).next());
+        if let Some(next) = self.next.take() {
+            self.loader.recycle(next);
+        }
+    }
+
     fn order_upcoming(&mut self, size: Size) {
         if let Some(upcoming) = self.album.upcoming() {
-            self.loader.order(upcoming, self.album.path(upcoming), size, &self.config);
+            let other = self.album.neighbour(upcoming);
+            self.loader.order(upcoming, self.album.path(upcoming), other, self.way, size, &self.config);
         }
     }
 
@@ -410,7 +436,7 @@ impl Running {
         match request {
             Request::NextPhoto => self.album.next(),
             Request::PreviousPhoto => self.album.previous(),
-            Request::NextEffect => log::info!("there is no other effect than shimmer"),
+            Request::NextEffect => self.next_way(),
             Request::Sleep => self.dimmer.sleep(),
             Request::Hide => {
                 if let Some(current) = &self.current {

@@ -9,9 +9,11 @@ use super::{
     photo,
 };
 use crate::{
-    config::Life,
+    app::Picture,
+    config::{EffectChoice, Life},
     effect::{
         Photo,
+        kaleidoscope::{Mode, Reference},
         shimmer::automatic_mask::{HARDLY_ANYTHING_PER_MILLE, automatic_mask, moving_per_mille, scratch_len},
     },
     frame::{Rotation, Size, rotate},
@@ -32,6 +34,32 @@ pub enum Source<'a> {
 /// "Forest" by Moritz Reisinger, CC BY-SA 3.0: see tests/data/README.md.
 static DEMO: &[u8] = include_bytes!("../../tests/data/demo.jpg");
 
+/// What buttons choose of how photos live.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Way {
+    pub(super) effect: EffectChoice,
+    /// The mode of a kaleidoscope.
+    pub(super) mode: Mode,
+}
+
+impl Way {
+    /// The way after this one: the shimmer, then the kaleidoscope from its finest mode to the paper's.
+    pub(super) const fn next(self) -> Self {
+        let (effect, mode) = match (self.effect, self.mode) {
+            (EffectChoice::Shimmer, _) => (EffectChoice::Kaleidoscope, Mode::Watercolour),
+            (EffectChoice::Kaleidoscope, Mode::Watercolour) => (EffectChoice::Kaleidoscope, Mode::Tonal),
+            (EffectChoice::Kaleidoscope, Mode::Tonal) => (EffectChoice::Kaleidoscope, Mode::Literal),
+            (EffectChoice::Kaleidoscope, Mode::Literal) => (EffectChoice::Shimmer, self.mode),
+        };
+        Self { effect, mode }
+    }
+
+    /// Whether a picture that lives in this way looks as one that lives in the `other`.
+    pub(super) fn looks_as(self, other: Self) -> bool {
+        self.effect == other.effect && (self.effect == EffectChoice::Shimmer || self.mode == other.mode)
+    }
+}
+
 /// A photo and its mask at the panel's size, turned as the panel is mounted.
 #[derive(Debug)]
 pub struct Scene {
@@ -40,18 +68,34 @@ pub struct Scene {
     rgb: Vec<u8>,
     mask: Vec<u8>,
     look: Look,
+    reference: Option<photo::Photo>,
 }
 
 impl Scene {
     /// Loads the photo at `source`, its mask and its sidecar for a panel of `size` that is mounted as `config` says.
     ///
     /// # Errors
-    /// A photo or mask that cannot be used; one line that names it, what is wrong and the cure.
+    /// A photo, mask or reference that cannot be used; one line that names it, what is wrong and the cure.
     pub fn load(source: Source<'_>, size: Size, config: &Config) -> Result<Self, Failure> {
-        let look = match source {
+        Self::load_as(source, None, None, size, config)
+    }
+
+    /// As [`Self::load`]; a kaleidoscope takes the colours of the photo at `other` where nobody has chosen others. It lives in the `way`
+    /// that a button has chosen.
+    pub(super) fn load_as(
+        source: Source<'_>,
+        other: Option<&Path>,
+        way: Option<Way>,
+        size: Size,
+        config: &Config,
+    ) -> Result<Self, Failure> {
+        let mut look = match source {
             Source::File(path) => config.look(path),
             Source::Demo => config.plain_look(),
         };
+        if let Some(way) = way {
+            (look.effect, look.life.kaleidoscope.mode) = (way.effect, way.mode);
+        }
         let rotation = config.rotation;
         let upright = rotation.turned(size);
         let limits = photo::Limits { bytes: config.memory_ceiling_bytes, ..photo::Limits::default() };
@@ -60,18 +104,24 @@ impl Scene {
             Source::File(path) => photo::load(path, &options)?,
             Source::Demo => photo::from_bytes("the demo photo", DEMO, &options)?,
         };
-        let mask = choose_mask(source, &photo, &look, &options.limits)?;
+        let (mask, reference) = match look.effect {
+            EffectChoice::Shimmer => (choose_mask(source, &photo, &look, &options.limits)?, None),
+            // All of it moves.
+            EffectChoice::Kaleidoscope => {
+                (vec![255; upright.pixels()], load_reference(other, &look, &options.limits)?)
+            }
+        };
         let caption = match source {
             Source::File(path) => caption::of_file(path),
             Source::Demo => "\"Forest\" by Moritz Reisinger\nCC BY-SA 3.0".into(),
         };
         if rotation == Rotation::None {
-            return Ok(Self { caption, size, rgb: photo.rgb, mask, look });
+            return Ok(Self { caption, size, rgb: photo.rgb, mask, look, reference });
         }
         let (mut rgb, mut turned_mask) = (vec![[0; 3]; size.pixels()], vec![0; size.pixels()]);
         rotate(rotation, photo.rgb.as_chunks::<3>().0, upright, &mut rgb);
         rotate(rotation, &mask, upright, &mut turned_mask);
-        Ok(Self { caption, size, rgb: rgb.into_flattened(), mask: turned_mask, look })
+        Ok(Self { caption, size, rgb: rgb.into_flattened(), mask: turned_mask, look, reference })
     }
 
     /// What the information on the picture says of the photo: a line or two.
@@ -82,6 +132,27 @@ impl Scene {
     /// How the photo is shown: as its sidecar says, or as all are.
     pub const fn look(&self) -> &Look {
         &self.look
+    }
+
+    /// The effect, and its mode.
+    pub(super) const fn way(&self) -> Way {
+        Way { effect: self.look.effect, mode: self.look.life.kaleidoscope.mode }
+    }
+
+    /// The photo with the effect that was chosen for it, which lives as `life` says.
+    ///
+    /// # Errors
+    /// If there is less memory than that takes.
+    pub fn prepare(&self, life: &Life, mut storage: Vec<u64>) -> Result<Picture<Vec<u64>>, Failure> {
+        let effect = self.look.effect;
+        let needed = Picture::<Vec<u64>>::storage_len(effect, self.size, life);
+        storage.try_reserve_exact(needed.saturating_sub(storage.len()))?;
+        storage.resize(needed, 0);
+        // Without another, a photo gives its own colours.
+        let own = Reference { size: self.size, rgb: &self.rgb };
+        let reference =
+            self.reference.as_ref().map_or(own, |other| Reference { size: other.size, rgb: &other.rgb });
+        Ok(Picture::prepare(effect, self.photo(), reference, life, storage)?)
     }
 
     /// What an effect is prepared from.
@@ -97,6 +168,21 @@ pub(super) fn turned(mut life: Life, rotation: Rotation) -> Life {
     shimmer.light.azimuth = shimmer.light.azimuth.plus(turn);
     shimmer.wind = shimmer.wind.plus(turn);
     life
+}
+
+/// A reference is looked at no more closely than this.
+const REFERENCE_SIZE: Size = Size::new(1024, 1024);
+
+/// The photo whose colours are taken: the one that was chosen, else the `other` one. That one may be as bad as any of a show.
+fn load_reference(
+    other: Option<&Path>,
+    look: &Look,
+    limits: &photo::Limits,
+) -> Result<Option<photo::Photo>, Failure> {
+    if let Some(chosen) = &look.reference {
+        return Ok(Some(photo::load_within(chosen, REFERENCE_SIZE, limits)?));
+    }
+    Ok(other.and_then(|path| photo::load_within(path, REFERENCE_SIZE, limits).ok()))
 }
 
 /// The mask that was asked for; without a word, the one beside the photo, else the automatic one.

@@ -11,10 +11,12 @@
 //! | `clips` | the films of section 4.3 (Fig. 6) |
 //! | `rating` | Tables 1 and 2 |
 //! | `no-repeat` | – (that no noise repeats itself) |
+//! | `kaleidoscope` | – (coder, likeness, motion and cost of the other effect, see `effect::kaleidoscope`) |
 
 mod clips;
 mod drawing;
 mod film;
+mod kaleidoscope;
 mod no_repeat;
 mod paper;
 mod rating;
@@ -59,6 +61,8 @@ enum Command {
     Rating(rating::Command),
     /// Check that a noise never repeats 256 frames within 2^N.
     NoRepeat(no_repeat::Args),
+    /// Measure the kaleidoscope: its coder, its pictures, their motion and what they cost.
+    Kaleidoscope(kaleidoscope::Args),
 }
 
 /// Where pictures and clips go.
@@ -87,6 +91,7 @@ fn main() -> ExitCode {
         Command::Clips(args) => clips::make(&args),
         Command::Rating(command) => rating::execute(&command),
         Command::NoRepeat(args) => no_repeat::check(&args),
+        Command::Kaleidoscope(args) => kaleidoscope::measure(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
