@@ -1,0 +1,254 @@
+//! Autumn: a fractal tree goes through the season.
+//!
+//! Source: Mochizuki, Horie and Cai, 紅葉のフラクタルシェーディングに関する研究 ("the paper"; equation numbers are its). A tree is the
+//! attractor of an IFS that an L-system's rule is turned into, a leaf that of another; together they are a recurrent IFS, and every
+//! point has an address: the words of symbols that lead to it. The season does not touch the picture, but the addresses: a shift
+//! operator removes leading symbols, one after the other, and the more are gone, the redder is the leaf. Its colours are stolen
+//! from seven plates.
+//!
+//! [`Autumn::prepare`] paints the address of every pixel once, for good. A frame looks up the colour of each address and bends the
+//! picture with the wind: it costs the same for ten leaves as for a million.
+//!
+//! | what | where |
+//! |---|---|
+//! | the species: L-system, leaf and pigments (eq. 7 to 13) | [`Species`], species/*.tree |
+//! | top function and addresses (eq. 3 to 6) | `leaf`, `canvas` |
+//! | shift operator, sunlight, the clock (eq. 15) | `season`, `sunlight` |
+//! | colour stealing (section 3.3) | `plates` |
+//! | wind, falling leaves, scenery: not in the paper | `sway`, `airborne`, `scenery` |
+//!
+//! X_A scales the wind, θ is the sway. Departures from the paper stand in each of these files; those of the whole are:
+//! 1. Depth takes the place of the top function in space.
+//! 2. Forks stray from the rule, so that no two boughs are alike.
+//! 3. Of a leaf two symbols are kept, of a twig as many as 12 bits hold.
+
+mod airborne;
+mod canvas;
+mod grow;
+mod leaf;
+mod lsystem;
+mod noise;
+mod plates;
+mod render;
+mod scenery;
+mod season;
+mod space;
+mod species;
+mod storage;
+mod sunlight;
+mod sway;
+mod text;
+mod view;
+
+pub use plates::{CELLS as PLATE_CELLS, SIDE as PLATE_SIDE, STAGES};
+pub use render::Moment;
+pub use season::Stage;
+pub use species::{KNOWN, MOST_TWIGS, Species};
+pub use storage::storage_len;
+pub use text::{Fault, SpeciesError};
+
+use super::{Effect, StorageTooSmall, shimmer::Light};
+use crate::{
+    frame::Size,
+    math::{Factor, Turns},
+    noise::drive::Drive,
+};
+use airborne::Airborne;
+use canvas::{Canvas, Painter};
+use core::ops::Range;
+use season::{Course, Knots, Now};
+use storage::Planes;
+use sunlight::Columns;
+use view::{TREE_DEPTHS, View};
+
+/// Seven square pictures, one a stage, row by row, sRGB.
+pub type Plates = [[[u8; 3]; PLATE_CELLS]; STAGES];
+
+/// What can be chosen of an autumn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// How likely a twig turns with its bough, 0..=1; else it goes its own way.
+    pub patchiness: Factor,
+    /// Where the sun is: leaves in the shade of others turn later. Without it all have as much light.
+    pub sun: Option<Light>,
+    /// Whether leaves fall.
+    pub leaf_fall: bool,
+    /// From where the tree is seen, about its trunk.
+    pub azimuth: Turns,
+    /// Frames that a leaf takes from the top of the picture to its bottom.
+    pub fall_frames: u32,
+    /// The tree of the species: another seed, another tree.
+    pub seed: u64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            patchiness: Factor::lit("0.95"),
+            sun: Some(Light { azimuth: Turns::from_degrees(325), elevation: Turns::from_degrees(25) }),
+            leaf_fall: true,
+            azimuth: Turns(0),
+            fall_frames: 90,
+            seed: 1,
+        }
+    }
+}
+
+/// A tree in autumn, in memory `S`: lent (`&mut [u64]`) or owned (`Vec<u64>`).
+#[derive(Debug)]
+pub struct Autumn<S> {
+    size: Size,
+    storage: S,
+    knots: Knots,
+    depth: u32,
+    twigs: usize,
+    bark: [u8; 3],
+    stage: Stage,
+    /// The stage that the colours were last made for.
+    coloured: Option<Stage>,
+    airborne: Option<Airborne>,
+    moving: [Range<usize>; 2],
+}
+
+impl<S: AsMut<[u64]>> Autumn<S> {
+    /// Grows a tree of `species` for pictures of `size` in `storage`, which must hold [`storage_len`] words. Without `plates` the colours
+    /// are made from the pigments of the species. The tree is at stage 0.
+    pub fn prepare(
+        size: Size,
+        species: &Species,
+        plates: Option<&Plates>,
+        settings: &Settings,
+        mut storage: S,
+    ) -> Result<Self, StorageTooSmall> {
+        let mut planes = Planes::carve(size, storage.as_mut())?;
+        match plates {
+            Some(pictures) => plates::fill_from_pictures(planes.plates, pictures),
+            None => plates::fill_synthetic(planes.plates, species, settings.seed),
+        }
+        let view = View::fit(species, settings.seed, size, settings.azimuth);
+        let spread = view.length(view.reach);
+        scenery::paint(planes.background, size, view.root, spread, settings.seed);
+        paint_tree(&mut planes, species, view, settings);
+        settle(&mut planes);
+        let knots = &mut [0; _];
+        let leaf_fall = settings.leaf_fall && !species.evergreen;
+        let patchiness = (settings.patchiness.to_bits() >> (Factor::FRAC_NBITS - 16)).max(0) as u32;
+        let course = Course { patchiness, seed: settings.seed, leaf_fall };
+        let twigs = species.twigs();
+        season::fill(&mut planes.calendars[..twigs], planes.sunlight, knots, species, course);
+        let boughs = species.rule.boughs.len();
+        let second = boughs.pow(species.depth.saturating_sub(2));
+        sway::fill(planes.nodes, size, planes.texels, view.root[1] >> 8, |texel| {
+            let on_tree = texel.cover > 0 && usize::from(texel.depth) < MOST_TWIGS;
+            on_tree.then_some(usize::from(texel.address >> 4) / second % sway::BOUGHS)
+        });
+        let moving = moving(&planes, leaf_fall);
+        Ok(Self {
+            size,
+            storage,
+            knots: *knots,
+            depth: species.depth,
+            twigs,
+            bark: species.bark,
+            stage: Stage::default(),
+            coloured: None,
+            airborne: leaf_fall.then(|| Airborne::new(settings.fall_frames, settings.seed)),
+            moving,
+        })
+    }
+
+    /// From the next frame on, the tree is at `stage` of its season.
+    pub fn set_stage(&mut self, stage: Stage) {
+        self.stage = stage;
+    }
+
+    /// Gives the memory back.
+    pub fn into_storage(self) -> S {
+        self.storage
+    }
+}
+
+/// Paints the tree and its leaves on the ground into the texels.
+fn paint_tree(planes: &mut Planes<'_>, species: &Species, view: View, settings: &Settings) {
+    planes.texels.fill(storage::Texel::default());
+    let Ok(stencil) = <&mut leaf::Stencil>::try_from(&mut *planes.stencil) else {
+        unreachable!("a stencil is as long as its part of the storage")
+    };
+    leaf::draw(&species.leaf, stencil);
+    let columns = settings.sun.map(|sun| {
+        let mut columns = Columns::new(planes.colours, species, view, sun);
+        grow::grow(species, settings.seed, &mut columns);
+        columns.add_up();
+        columns
+    });
+    let canvas = Canvas { size: planes.size, texels: planes.texels };
+    let (sunlight, spots) = (&mut *planes.sunlight, &mut *planes.spots);
+    let mut painter = Painter { canvas, species, view, stencil, columns, sunlight, spots };
+    grow::grow(species, settings.seed, &mut painter);
+    if settings.leaf_fall && !species.evergreen {
+        canvas::strew(&mut painter.canvas, species, &view, stencil, settings.seed);
+    }
+}
+
+/// From depths to places in the table of states; and the spans of what is not empty.
+fn settle(planes: &mut Planes<'_>) {
+    let width = planes.size.width as usize;
+    // What moves may come to lie this far outside.
+    let margin = sway::PITCH;
+    for (row, span) in planes.texels.chunks_exact_mut(width).zip(&mut *planes.spans) {
+        for texel in row.iter_mut() {
+            let ground = texel.cover > 0 && !TREE_DEPTHS.contains(&texel.depth);
+            texel.depth = (texel.address >> 4) + if ground { MOST_TWIGS as u16 } else { 0 };
+        }
+        let is_seen = |texel: &storage::Texel| texel.cover > 0 || texel.wood > 0;
+        let start = row.iter().position(is_seen).map_or(width, |start| start.saturating_sub(margin));
+        let end = row.iter().rposition(is_seen).map_or(0, |end| (end + 1 + margin).min(width));
+        *span = storage::Span { start: start as u16, end: end as u16 };
+    }
+}
+
+/// The columns and rows that can differ between frames.
+fn moving(planes: &Planes<'_>, leaf_fall: bool) -> [Range<usize>; 2] {
+    let (width, height) = (planes.size.width as usize, planes.size.height as usize);
+    if leaf_fall {
+        return [0..width, 0..height];
+    }
+    let seen = planes.spans.iter().filter(|span| span.start < span.end);
+    let start = seen.clone().map(|span| span.start).min().unwrap_or(0);
+    let end = seen.map(|span| span.end).max().unwrap_or(0);
+    let first = planes.spans.iter().position(|span| span.start < span.end).unwrap_or(0);
+    [start.into()..end.into(), first.saturating_sub(sway::PITCH)..height]
+}
+
+impl<S: AsMut<[u64]>> Effect for Autumn<S> {
+    type Moment<'a>
+        = Moment<'a>
+    where
+        S: 'a;
+
+    fn at(&mut self, drive: Drive) -> Moment<'_> {
+        let Ok(mut planes) = Planes::carve(self.size, self.storage.as_mut()) else {
+            unreachable!("the storage was long enough when the tree was prepared")
+        };
+        let now = Now::new(self.stage, &self.knots, self.depth);
+        if self.coloured != Some(self.stage) {
+            render::colour(&mut planes, now, self.twigs);
+            for state in &mut planes.states[MOST_TWIGS..] {
+                state.gain = 128;
+            }
+            self.coloured = Some(self.stage);
+        }
+        render::flutter(planes.states, self.twigs, drive);
+        sway::bend(planes.nodes, self.size, drive);
+        let mut sprites = heapless::Vec::new();
+        if let Some(airborne) = &mut self.airborne {
+            let twigs = self.twigs as u64;
+            airborne.step(self.size, drive, |chance| {
+                let twig = (chance % twigs) as usize;
+                now.loosens(&planes.calendars[twig]).then(|| (twig as u16, planes.spots[twig]))
+            });
+            sprites = airborne.sprites(self.size);
+        }
+        Moment::new(self, sprites)
+    }
+}
