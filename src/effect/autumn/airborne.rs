@@ -57,16 +57,16 @@ impl Airborne {
     pub(super) fn step(&mut self, size: Size, drive: Drive, loosen: impl Fn(u64) -> Option<(u16, [i16; 2])>) {
         self.frame += 1;
         let sink = ((size.height as i32) << 8) / self.fall_frames as i32;
-        let wind = (drive.amplitude.to_bits() >> 18) * sink >> 10; // as fast as it sinks in the strongest wind
+        let wind = ((drive.amplitude.to_bits() >> 18) * sink) >> 10; // as fast as it sinks in the strongest wind
         for slot in &mut self.leaves {
             let Some(leaf) = slot else { continue };
             leaf.age = leaf.age.saturating_add(1);
             let flutter =
                 Turns((leaf.key as u32).wrapping_add(u32::from(leaf.age).wrapping_mul(150_000_000)));
             let swing = flutter.sin().to_bits() >> 18;
-            leaf.x += wind + (swing * sink >> 10);
+            leaf.x += wind + ((swing * sink) >> 10);
             // A leaf on its edge sinks faster.
-            leaf.y += sink - (sink * swing.abs() >> 11);
+            leaf.y += sink - ((sink * swing.abs()) >> 11);
             if leaf.y > leaf.ground || leaf.x >> 8 > size.width as i32 {
                 *slot = None;
             }

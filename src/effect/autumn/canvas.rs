@@ -18,6 +18,9 @@ use crate::{
     math::{Turns, random::scatter},
 };
 
+/// How much farther the round ends of a piece of wood lie than the piece that goes on there.
+const CAP_BEHIND: u16 = 60;
+
 /// Half a pixel.
 const HALF: i32 = 1 << (SPOT_BITS - 1);
 
@@ -54,10 +57,10 @@ impl Lens {
         let stretch = (1 << 24) / i64::from(pose.width.max(32)); // 1/width, of 2^16
         // The inverse of: turn, then squeeze by `width` along `fold`.
         let squeeze = |x: i64, y: i64| {
-            let along = (fc * x + fs * y >> 16) * stretch >> 16;
-            let aside = fc * y - fs * x >> 16;
-            let (x, y) = (fc * along - fs * aside >> 16, fs * along + fc * aside >> 16);
-            (tc * x + ts * y >> 16, tc * y - ts * x >> 16)
+            let along = (((fc * x + fs * y) >> 16) * stretch) >> 16;
+            let aside = (fc * y - fs * x) >> 16;
+            let (x, y) = ((fc * along - fs * aside) >> 16, (fs * along + fc * aside) >> 16);
+            ((tc * x + ts * y) >> 16, (tc * y - ts * x) >> 16)
         };
         let scale = |(x, y): (i64, i64)| {
             let cells = (leaf::SIDE as i64 / 2) << SPOT_BITS;
@@ -117,9 +120,12 @@ impl Canvas<'_> {
                     cell.cover > texel.cover && depth >= texel.depth
                 };
                 if shows && cell.cover > 0 {
-                    texel.address = (twig as u16) << 4 | u16::from(cell.address);
+                    texel.address = ((twig as u16) << 4) | u16::from(cell.address);
                     texel.depth = depth;
                     texel.shade = shade;
+                }
+                // Two leaves that share a pixel cover it together.
+                if shows || texel.cover > 0 {
                     texel.cover = texel.cover.max(cell.cover);
                 }
             }
@@ -141,30 +147,32 @@ impl Canvas<'_> {
             for x in range(a.x, b.x, self.size.width) {
                 let (px, py) = ((x << SPOT_BITS) + HALF - a.x, (y << SPOT_BITS) + HALF - a.y);
                 let (px, py) = (i64::from(px), i64::from(py));
-                let along = ((px * dx + py * dy << 12) / square).clamp(0, 4_096) as i32;
-                let (fx, fy) = (px - (dx * i64::from(along) >> 12), py - (dy * i64::from(along) >> 12));
+                let along = (((px * dx + py * dy) << 12) / square).clamp(0, 4_096) as i32;
+                let (fx, fy) = (px - ((dx * i64::from(along)) >> 12), py - ((dy * i64::from(along)) >> 12));
                 let distance = (fx * fx + fy * fy).isqrt() as i32;
-                let radius = radii[0] + ((radii[1] - radii[0]) * along >> 12);
+                let radius = radii[0] + (((radii[1] - radii[0]) * along) >> 12);
                 let cover = (radius - distance + HALF).clamp(0, 255);
                 // Wood thinner than a pixel covers what it covers.
                 let cover = cover.min(2 * radius.max(20)) as u8;
                 let texel = &mut self.texels[y as usize * self.size.width as usize + x as usize];
-                let depth = i32::from(a.depth) + ((i32::from(b.depth) - i32::from(a.depth)) * along >> 12);
+                let depth = i32::from(a.depth) + (((i32::from(b.depth) - i32::from(a.depth)) * along) >> 12);
                 let depth = depth.clamp((*TREE_DEPTHS.start()).into(), (*TREE_DEPTHS.end()).into()) as u16;
                 // Beyond its ends a piece only fills what the next leaves open.
                 let is_within = along > 0 && along < 4_096;
-                let shows = match is_within && cover >= 128 {
-                    true => depth >= texel.depth || texel.wood < 128,
-                    false => cover > texel.wood,
-                };
-                if !shows || cover == 0 || (y << SPOT_BITS) > look.ground(x) {
+                if cover == 0 || (y << SPOT_BITS) > look.ground(x) {
+                    continue;
+                }
+                let depth = if is_within { depth } else { depth.saturating_sub(CAP_BEHIND) };
+                let shows =
+                    if cover >= 128 { depth >= texel.depth || texel.wood < 128 } else { cover > texel.wood };
+                texel.wood = texel.wood.max(cover);
+                if !shows {
                     continue;
                 }
                 // Across the wood, −256..256 from its left edge, seen along its growth, to its right.
                 let across =
                     ((px * dy - py * dx) / length * 256 / i64::from(radius.max(1))).clamp(-256, 256) as i32;
                 texel.bark = look.level(across, along, [dx, dy], length, radius);
-                texel.wood = texel.wood.max(cover);
                 texel.depth = depth;
             }
         }
@@ -188,7 +196,7 @@ impl Bark {
     fn ground(&self, x: i32) -> i32 {
         let blades = (i64::from(x) * self.grain * 220) as i32;
         let tall = (1 << 16) * 8 / self.grain.max(1) as i32 / 5;
-        self.ground - (i64::from(tall) * i64::from(fbm(blades, 0, 3, 3)) >> 16) as i32
+        self.ground - ((i64::from(tall) * i64::from(fbm(blades, 0, 3, 3))) >> 16) as i32
     }
 
     /// The brightness of the bark at a place of a piece of wood.
@@ -196,13 +204,13 @@ impl Bark {
         // The light comes from the upper left and from the front; the normal of a cylinder.
         let front = i64::from(((1 << 16) - across * across).max(0) as u32).isqrt();
         let side = (-140 * dy / length) + (-120 * dx / length);
-        let lit = (i64::from(across) * side + front * 165 >> 8).max(0);
+        let lit = ((i64::from(across) * side + front * 165) >> 8).max(0);
         // Round the cylinder the bark lies closer together towards the edges.
         let place = i64::from(across) * i64::from(across).abs() / 1_024 + i64::from(across);
-        let around = (place * i64::from(radius) >> 8) * self.grain * 3 >> 2;
-        let up = (self.start + (length * i64::from(along) >> 12)) * self.grain >> 2;
+        let around = (((place * i64::from(radius)) >> 8) * self.grain * 3) >> 2;
+        let up = ((self.start + ((length * i64::from(along)) >> 12)) * self.grain) >> 2;
         let rough = i64::from(fbm(around as i32, (up / 2) as i32, 4, self.seed));
-        let mut level = (58 + lit * 3 / 4) * ((1 << 15) + rough * 3 / 2).max(1 << 12) >> 15;
+        let mut level = ((58 + lit * 3 / 4) * ((1 << 15) + rough).max(1 << 13)) >> 15;
         if self.marks {
             let mark = fbm((around / 8) as i32, (up / 2) as i32, 2, self.seed ^ 1);
             level = if mark > 9_000 { level / 4 } else { level * 5 / 4 + 20 };
@@ -240,7 +248,7 @@ impl Painter<'_> {
         let far_shade = 143 + 113 * near / u32::from(TREE_DEPTHS.end() - TREE_DEPTHS.start());
         let sun_shade = 150 + 106 * u32::from(light) / 255;
         let slope = (256 + sway_of(key >> 24, 44)) as u32;
-        let shade = ((far_shade * sun_shade >> 8) * slope >> 8) * 140 >> 8;
+        let shade = (((((far_shade * sun_shade) >> 8) * slope) >> 8) * 140) >> 8;
         let loose = ONE - (self.species.droop.to_bits() << 8).min(ONE);
         let hang = (i64::from(sway_of(key, loose)) << 7) as u32;
         let base = if loose == ONE { 0 } else { 1 << 31 };
@@ -276,11 +284,11 @@ impl Visit for Painter<'_> {
             true => 256 + 260 * (steps - t).pow(3) / steps.pow(3),
             false => 256,
         };
-        let mut start = 0;
+        let mut start = i64::from(self.view.length(branch.start));
         for t in 0..steps {
             let ends = [at(t), at(t + 1)];
             let radii = [t, t + 1]
-                .map(|t| (i64::from(self.view.length(radius_at(t))) * i64::from(flare(t)) >> 8) as i32);
+                .map(|t| ((i64::from(self.view.length(radius_at(t))) * i64::from(flare(t))) >> 8) as i32);
             let grain = (1 << 16) / i64::from(self.canvas.size.height);
             let look = Bark {
                 seed: branch.key,
@@ -321,15 +329,15 @@ pub(super) fn strew(canvas: &mut Canvas<'_>, species: &Species, view: &View, ste
         let (front, aside) = (bell(key), bell(key >> 16));
         let depth = i64::from(height) << SPOT_BITS;
         let horizon = depth * (i64::from(HORIZON) * 2 + 3) / 512;
-        let y = (i64::from(root_y) + (depth * front * 12 / 100 >> 16) + depth / 60).max(horizon);
-        let x = i64::from(root_x) + (i64::from(width) << SPOT_BITS) * aside * 40 / 100 / (1 << 16);
+        let y = (i64::from(root_y) + ((depth * front * 9 / 100) >> 16) + depth / 50).max(horizon);
+        let x = i64::from(root_x) + (i64::from(width) << SPOT_BITS) * aside * 34 / 100 / (1 << 16);
         // What is nearer is larger.
         let near = (256 + front * 110 / (1 << 16)) as i32;
         let leaf_size = ((height << SPOT_BITS) / 120 * near) >> 8;
         let pose = Pose {
             x: x as i32,
             y: y as i32,
-            half: leaf_size * (200 + (key >> 56) as i32 / 3) >> 8,
+            half: (leaf_size * (200 + (key >> 56) as i32 / 3)) >> 8,
             turn: Turns(scatter(key) as u32),
             // Lying: squeezed from top to bottom.
             fold: Turns(Turns::QUARTER.0.wrapping_add((sway_of(key >> 32, 1 << 28)) as u32)),

@@ -18,6 +18,9 @@ pub(super) struct Branch {
     pub(super) radii: [i32; 2],
     /// How many branchings it is away from the trunk.
     pub(super) order: u32,
+    /// How much wood of the same bough lies before it.
+    pub(super) start: i32,
+    /// Shared by the pieces of a bough.
     pub(super) key: u64,
 }
 
@@ -61,6 +64,7 @@ fn fork(species: &Species, at: &Twig, radius: i32, order: u32, visit: &mut impl 
     }
     let thin = ((i64::from(radius) << Number::FRAC_NBITS) / i64::from(species.taper.to_bits())) as i32;
     let pieces = species.rule.wood.len() as i32;
+    let mut start = 0;
     for (piece, wood) in species.rule.wood.iter().enumerate() {
         let key = scatter(at.key ^ 0x00d0 ^ (piece as u64) << 32);
         let radius_at = |end: i32| radius - (radius - thin) * end / pieces;
@@ -71,12 +75,14 @@ fn fork(species: &Species, at: &Twig, radius: i32, order: u32, visit: &mut impl 
             bend: bend(species, from, to, key),
             radii: [radius_at(piece as i32), radius_at(piece as i32 + 1)],
             order,
-            key,
+            start,
+            key: at.key,
         });
+        start += length(core::array::from_fn(|i| to[i] - from[i]));
     }
-    for (symbol, bough) in species.rule.boughs.iter().enumerate() {
+    for symbol in 0..species.rule.boughs.len() {
         let key = scatter(at.key ^ (symbol as u64 + 1));
-        let map = at.map.after(&strayed(species, bough, key));
+        let map = at.map.after(&strayed(species, symbol, key));
         let number = at.number * species.rule.boughs.len() + symbol;
         fork(species, &Twig { number, map, key }, thin, order + 1, visit);
     }
@@ -84,7 +90,7 @@ fn fork(species: &Species, at: &Twig, radius: i32, order: u32, visit: &mut impl 
 
 /// A share of `most` between −1 and 1, by 16 bits of `key`.
 pub(super) fn sway_of(key: u64, most: i32) -> i32 {
-    ((i64::from(key as u16) - (1 << 15)) * i64::from(most) >> 15) as i32
+    (((i64::from(key as u16) - (1 << 15)) * i64::from(most)) >> 15) as i32
 }
 
 /// A long piece of wood is bent to a side, by a tenth of its length where forks stray by 11°.
@@ -95,13 +101,17 @@ fn bend(species: &Species, from: Vector, to: Vector, key: u64) -> Vector {
     [sway_of(key, most), sway_of(key >> 16, most) / 3, if flat { 0 } else { sway_of(key >> 32, most) }]
 }
 
-/// The map of a bough, turned a little within its own orientation, and up to an eighth longer or shorter. It stays contracting.
-fn strayed(species: &Species, bough: &AffineMap, key: u64) -> AffineMap {
+/// The map of a bough, turned a little within its own orientation, and up to an eighth shorter. It stays contracting. The last bough of a
+/// rule goes on with the trunk, and strays least.
+fn strayed(species: &Species, symbol: usize, key: u64) -> AffineMap {
+    let bough = &species.rule.boughs[symbol];
     if species.stray == 0 {
         return *bough;
     }
-    let stray = Turns(((i64::from(species.stray.to_bits()) << 16) / 360) as u32).0 as i32;
-    let angle = |bits: u64| Turns(sway_of(bits, stray) as u32);
+    let is_trunk = symbol + 1 == species.rule.boughs.len();
+    let degrees = species.stray.to_bits() / if is_trunk { 3 } else { 1 };
+    let most = ((i64::from(degrees) << 16) / 360) as i32;
+    let angle = |bits: u64| Turns(sway_of(bits, most) as u32);
     let turned = match species.rule.is_flat {
         true => Matrix::rotation(Axis::Viewer, angle(key)),
         false => Matrix::rotation(Axis::Heading, Turns(angle(key).0.wrapping_mul(2)))

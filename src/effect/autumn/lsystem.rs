@@ -129,3 +129,81 @@ fn share(cursor: &mut Cursor<'_>) -> Result<i32, SpeciesError> {
     cursor.expect(")")?;
     Ok(share as i32)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(rule: &str) -> Result<Rule, SpeciesError> {
+        Rule::parse(Cursor::new(rule, 3))
+    }
+
+    fn float(number: i32) -> f64 {
+        f64::from(number) / f64::from(ONE)
+    }
+
+    #[test]
+    fn the_papers_rule_becomes_the_papers_maps() {
+        let (r, delta, s) = (1.75, 32_f64.to_radians(), 1.);
+        let rule = parse("F(s) [ +(32) a(s/1.75) ] [ -(32) a(s/1.75) ] [ F(s) a(s/1.75) ]").unwrap();
+        // Eq. 8 to 10, for row vectors: the rows are what becomes of the axes, and the shift.
+        let want = [
+            [delta.cos() / r, delta.sin() / r, -delta.sin() / r, delta.cos() / r, 0., s],
+            [delta.cos() / r, -delta.sin() / r, delta.sin() / r, delta.cos() / r, 0., s],
+            [1. / r, 0., 0., 1. / r, 0., 2. * s],
+        ];
+        assert!(rule.is_flat && rule.boughs.len() == 3);
+        for (map, want) in rule.boughs.iter().zip(want) {
+            let [right, up, _] = map.matrix.0;
+            let got = [right[0], right[1], up[0], up[1], map.shift[0], map.shift[1]].map(float);
+            // The paper's T1 turns to the right where its plane has y up; ours to the left, as its turtle does.
+            for (got, want) in got.into_iter().zip(want) {
+                assert!((got - want).abs() < 1e-5, "{got} for {want}");
+            }
+        }
+        // Eq. 11: between (0, 0) and (0, s), and between (0, s) and (0, 2s).
+        assert_eq!(
+            rule.wood,
+            [Wood { from: [0; 3], to: [0, ONE, 0] }, Wood { from: [0, ONE, 0], to: [0, 2 * ONE, 0] }]
+        );
+    }
+
+    #[test]
+    fn a_turtle_in_space_makes_the_map_that_its_turns_make() {
+        let rule = parse("F(s*1.25) [ /(94.74) &(47) a(s/1.62) ]").unwrap();
+        let (p, q, r) = (94.74_f64.to_radians(), 47_f64.to_radians(), 1.62);
+        let heading = rule.boughs[0].matrix.0[1].map(float);
+        let want = [q.sin() * p.sin() / r, q.cos() / r, q.sin() * p.cos() / r];
+        for (got, want) in heading.into_iter().zip(want) {
+            assert!((got - want).abs() < 1e-4, "{heading:?} for {want}");
+        }
+        assert!(!rule.is_flat && rule.boughs[0].shift == [0, ONE / 4 * 5, 0]);
+    }
+
+    #[test]
+    fn what_is_wrong_is_named_with_its_place() {
+        for (rule, column, fault) in [
+            ("F(s) ] a(s/2)", 6, Fault::Unopened),
+            ("F(s) [ a(s/2)", 6, Fault::Unclosed),
+            ("F(s) a(s/0.5)", 6, Fault::NotContracting),
+            ("F(s) a(s)", 6, Fault::NotContracting),
+            ("F(s) a(s*1.2)", 6, Fault::NotContracting),
+            ("F(s) X a(s/2)", 6, Fault::UnknownSymbol),
+            ("F(s) +(x) a(s/2)", 8, Fault::Expected("a number")),
+            ("F(s) +(720) a(s/2)", 8, Fault::OutOfRange("-360", "360")),
+            ("F(2) a(s/2)", 3, Fault::Expected("s")),
+            ("[[[[[[[[[ a(s/2)", 9, Fault::TooDeep),
+            ("F(s)", 5, Fault::Expected("a bough, a(s/R),")),
+        ] {
+            assert_eq!(parse(rule), Err(SpeciesError { line: 3, column, fault }), "{rule}");
+        }
+    }
+
+    #[test]
+    fn a_million_symbols_are_refused() {
+        let rule = "+(1)".repeat(1_000_000) + "a(s/2)";
+        assert_eq!(parse(&rule).map_err(|error| error.fault), Err(Fault::TooManySymbols));
+        let boughs = "[ a(s/2) ]".repeat(9);
+        assert_eq!(parse(&boughs).map_err(|error| error.fault), Err(Fault::TooManySymbols));
+    }
+}

@@ -17,14 +17,14 @@ fn lattice(x: i64, y: i64, seed: u64) -> i64 {
 pub(super) fn smooth(x: i32, y: i32, seed: u64) -> i32 {
     let (x, y) = (i64::from(x), i64::from(y));
     let (column, row) = (x >> BITS, y >> BITS);
-    let ease = |t: i64| (t * t >> BITS) * (3 * ONE - 2 * t) >> BITS;
+    let ease = |t: i64| (((t * t) >> BITS) * (3 * ONE - 2 * t)) >> BITS;
     let (right, down) = (ease(x & (ONE - 1)), ease(y & (ONE - 1)));
     let along = |row| {
         let (from, to) = (lattice(column, row, seed), lattice(column + 1, row, seed));
-        from + ((to - from) * right >> BITS)
+        from + (((to - from) * right) >> BITS)
     };
     let (above, below) = (along(row), along(row + 1));
-    (above + ((below - above) * down >> BITS)) as i32
+    (above + (((below - above) * down) >> BITS)) as i32
 }
 
 /// Fractional Brownian motion of −2^15..2^15: `octaves` of [`smooth`], each twice as fine and half as strong.

@@ -69,10 +69,10 @@ fn reflected(species: &Species, stage: u32) -> Light {
     let amounts = species.pigments.map(|row| {
         let [from, to] =
             [index, (index + 1).min(STAGES - 1)].map(|stage: usize| i64::from(Number::to_bits(row[stage])));
-        from + ((to - from) * rest >> 16)
+        from + (((to - from) * rest) >> 16)
     });
     core::array::from_fn(|channel| {
-        let depth: i64 = (0..3).map(|pigment| amounts[pigment] * ABSORPTION[pigment][channel] >> 16).sum();
+        let depth: i64 = (0..3).map(|pigment| (amounts[pigment] * ABSORPTION[pigment][channel]) >> 16).sum();
         (u64::from(decay(depth as u32)) * 95 / 100).min(65_535) as u16
     })
 }
@@ -105,7 +105,7 @@ pub(super) fn decay(x: u32) -> u32 {
         1_440_801,
     ];
     let product = FACTORS.iter().enumerate().filter(|(bit, _)| x >> bit & 1 == 1);
-    (product.fold(1 << 32, |product, (_, factor)| product * factor >> 32) >> 16) as u32
+    (product.fold(1 << 32, |product, (_, factor)| (product * factor) >> 32) >> 16) as u32
 }
 
 /// Fills `plates` from seven pictures of [`SIDE`] × [`SIDE`] pixels each, row by row, sRGB.

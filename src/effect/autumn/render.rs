@@ -65,7 +65,7 @@ pub(super) fn flutter(states: &mut [State], twigs: usize, drive: Drive) {
     for (twig, state) in states[..twigs].iter_mut().enumerate() {
         let phase = Turns((scatter(twig as u64) >> 32) as u32);
         let swing = i64::from(twice.plus(phase).sin().to_bits() >> 12);
-        state.gain = (128 + (strength * swing >> (2 * Factor::FRAC_NBITS - 12))) as u8;
+        state.gain = (128 + ((strength * swing) >> (2 * Factor::FRAC_NBITS - 12))) as u8;
     }
 }
 
@@ -130,8 +130,8 @@ impl<'a> Moment<'a> {
                 plane[i] = (colour >> (8 * channel) & 0xff) as u16;
             }
             run.cover[i] =
-                (u16::from(texel.cover) * u16::from(state.there) >> 8) + u16::from(texel.cover >> 7);
-            run.gain[i] = u16::from(texel.shade) * u16::from(state.gain) >> 7;
+                ((u16::from(texel.cover) * u16::from(state.there)) >> 8) + u16::from(texel.cover >> 7);
+            run.gain[i] = (u16::from(texel.shade) * u16::from(state.gain)) >> 7;
             run.bark[i] = texel.bark.into();
             run.wood[i] = u16::from(texel.wood) + u16::from(texel.wood >> 7);
         }
@@ -156,8 +156,8 @@ impl<'a> Moment<'a> {
                 for (channel, plane) in levels.planes().into_iter().enumerate() {
                     let level = &mut plane[(column - x) as usize];
                     let leaf =
-                        ((colour >> (8 * channel) & 0xff) * u32::from(sprite.gain) >> 3).min(4_080) as i32;
-                    *level = (i32::from(*level) + ((leaf - i32::from(*level)) * cover >> 8)) as u16;
+                        (((colour >> (8 * channel) & 0xff) * u32::from(sprite.gain)) >> 3).min(4_080) as i32;
+                    *level = (i32::from(*level) + (((leaf - i32::from(*level)) * cover) >> 8)) as u16;
                 }
             }
         }
@@ -207,8 +207,8 @@ impl effect::Moment for Moment<'_> {
 #[inline(always)]
 fn layered(behind: u8, bark: u16, leaf: u16, run: &Run, i: usize) -> u16 {
     let behind = i32::from(behind) << 4;
-    let wood = i32::from((u32::from(bark) * u32::from(run.bark[i]) >> 4) as u16).min(4_080);
-    let leaf = (i32::from(leaf) * i32::from(run.gain[i]) >> 3).min(4_080);
-    let behind = behind + ((wood - behind) * i32::from(run.wood[i]) >> 8);
-    (behind + ((leaf - behind) * i32::from(run.cover[i]) >> 8)) as u16
+    let wood = i32::from(((u32::from(bark) * u32::from(run.bark[i])) >> 4) as u16).min(4_080);
+    let leaf = ((i32::from(leaf) * i32::from(run.gain[i])) >> 3).min(4_080);
+    let behind = behind + (((wood - behind) * i32::from(run.wood[i])) >> 8);
+    (behind + (((leaf - behind) * i32::from(run.cover[i])) >> 8)) as u16
 }

@@ -27,11 +27,11 @@ pub(super) fn paint(background: &mut [[u8; 3]], size: Size, root: [i32; 2], spre
                 above(x, y, horizon, height, seed)
             } else {
                 let shadow = shadow([(x << 8) - root[0], (y << 8) - root[1]], spread, height);
-                meadow(x, y, horizon, height, seed).map(|level| level * (256 - shadow) >> 8)
+                meadow(x, y, horizon, height, seed).map(|level| (level * (256 - shadow)) >> 8)
             };
             // Half a level of noise, so that the sky has no bands.
             let grain = (scatter((y as u64) << 32 | x as u64) >> 56) as i32;
-            *pixel = colour.map(|level| (level + grain >> 8).clamp(0, 255) as u8);
+            *pixel = colour.map(|level| ((level + grain) >> 8).clamp(0, 255) as u8);
         }
     }
 }
@@ -51,8 +51,8 @@ fn above(x: i32, y: i32, horizon: i32, height: i32, seed: u64) -> [i32; 3] {
         let line = fbm(scaled(x, rough / 4 + 1, height), 0, 3, seed ^ (hill as u64 + 77));
         // The tops of trees, the finer the farther.
         let trees = fbm(scaled(x, rough * 8, height), 0, 3, seed ^ (hill as u64 + 99));
-        let line = horizon - height * rise / 256 - (line * height / 256 * rise >> 16);
-        if y > line - (trees * height / 256 * rough / 8 >> 15) {
+        let line = horizon - height * rise / 256 - ((line * height / 256 * rise) >> 16);
+        if y > line - ((trees * height / 256 * rough / 8) >> 15) {
             // Mist lies in the valleys.
             let mist = ((y - line).max(0) * 256 * 8 / (height * rise / 32).max(1)).min(150);
             return blend(colour, [222, 212, 192], mist);
@@ -64,7 +64,7 @@ fn above(x: i32, y: i32, horizon: i32, height: i32, seed: u64) -> [i32; 3] {
     let sky = blend(from, to, (at - low) * 256 / (high - low));
     // Thin clouds, wide and flat.
     let cloud = fbm(scaled(x, 2, height), scaled(y, 7, height), 5, seed ^ 5);
-    let share = ((cloud - 2_000).max(0) >> 6).min(130) * (256 - at / 2) >> 8;
+    let share = (((cloud - 2_000).max(0) >> 6).min(130) * (256 - at / 2)) >> 8;
     core::array::from_fn(|i| sky[i] + ((250 - i as i32 * 3) * 256 - sky[i]) * share / 256)
 }
 
@@ -78,11 +78,11 @@ fn meadow(x: i32, y: i32, horizon: i32, height: i32, seed: u64) -> [i32; 3] {
     let blades = (far * (256 - near) + close * near) >> 8;
     // Patches lie in perspective: the same at any distance.
     let depth = (1 << 24) / (near + 28);
-    let ground = |across: i64| (across * i64::from(depth) >> 14) as i32;
+    let ground = |across: i64| ((across * i64::from(depth)) >> 14) as i32;
     let patches = fbm(ground(i64::from(x) * 1_080 / i64::from(height)), depth, 4, seed ^ 12);
-    let light = 256 + (blades * (44 + near / 3) >> 15) + (patches * 60 >> 15);
+    let light = 256 + ((blades * (44 + near / 3)) >> 15) + ((patches * 60) >> 15);
     let dry = (patches >> 9).clamp(-30, 60);
-    [base[0] + dry * 256 / 2, base[1], base[2]].map(|level| level * light >> 8)
+    [base[0] + dry * 256 / 2, base[1], base[2]].map(|level| (level * light) >> 8)
 }
 
 /// How dark the ground is under the tree, of 256.

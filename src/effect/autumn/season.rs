@@ -174,7 +174,7 @@ fn fall(calendar: &Calendar, twig: usize, knots: &Knots, depth: usize, course: C
         return u16::MAX;
     }
     let done = knots[usize::from(calendar.removals[depth - 1] >> STEP_BITS).min(KNOTS - 1)];
-    let done = u64::from(done * 6 >> (16 - Stage::BITS)); // in stages of the tree
+    let done = u64::from((done * 6) >> (16 - Stage::BITS)); // in stages of the tree
     let chance = scatter(course.seed ^ twig as u64 ^ 0xfa11_0000_0000_0000) >> 48;
     let order = (chance + (done << 16) / u64::from(Stage::COLOURED.0)) / 2;
     let planned = FIRST_FALL + (u64::from(Stage::BARE.0) - FIRST_FALL) * order / (1 << 16);

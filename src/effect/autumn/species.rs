@@ -209,3 +209,58 @@ fn stages(cursor: &mut Cursor<'_>, pigment: &mut [Number; STAGES]) -> Result<(),
         Ok(())
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SMALL: &str = "tree x\na(s) -> F(s) [ +(30) a(s/2) ] a(s/1.5)\nleaf .5 0 0 .5 0 1\n";
+
+    fn error(text: &str) -> (u32, u32, Fault) {
+        let error = Species::parse(text).expect_err(text);
+        (error.line, error.column, error.fault)
+    }
+
+    #[test]
+    fn all_known_species_can_be_read_and_have_their_twigs() {
+        for (name, text) in KNOWN {
+            let species = Species::parse(text).unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert!((512..=MOST_TWIGS).contains(&species.twigs()), "{name}: {}", species.twigs());
+            let sum: i32 = species.chances.iter().sum();
+            assert!((65_000..=65_536).contains(&sum), "{name}: the chances add up to {sum}");
+        }
+        assert!(Species::known("oak").is_none());
+    }
+
+    #[test]
+    fn a_mistake_is_named_with_its_line_and_column() {
+        let with = |line: &str| format!("{SMALL}{line}\n");
+        assert_eq!(error(&with("  depht 6")), (4, 3, Fault::UnknownKey));
+        assert_eq!(error(&with("depth 20")), (4, 7, Fault::OutOfRange("1", "11")));
+        assert_eq!(error(&with("depth 2.5")), (4, 7, Fault::Expected("a whole number")));
+        assert_eq!(error(&with("leaf 1.2 0 0 .5 0 0")), (4, 1, Fault::NotContracting));
+        assert_eq!(error(&with("leaf .5 0 0 .5 0")), (4, 17, Fault::Expected("a number")));
+        assert_eq!(error(&with("chance .5 .2 .3")), (4, 1, Fault::ChancesDoNotFit));
+        assert_eq!(error(&with("a(s) -> a(s/2)")), (4, 1, Fault::Twice));
+        assert_eq!(error(&with("size 2 3")), (4, 8, Fault::Expected("the end of the line")));
+        assert_eq!(error(&with("a -> b")), (4, 1, Fault::UnknownKey));
+    }
+
+    #[test]
+    fn what_is_missing_is_named() {
+        assert_eq!(error("leaf .5 0 0 .5 0 1"), (0, 0, Fault::NoTreeRule));
+        assert_eq!(error("a(s) -> a(s/2)"), (0, 0, Fault::NoLeafRule));
+        let many = "a(s) -> [ a(s/2) ] [ a(s/2) ] [ a(s/2) ] [ a(s/2) ] [ a(s/2) ]\nleaf .5 0 0 .5 0 1\n";
+        assert_eq!(error(many), (0, 0, Fault::TooManyTwigs));
+        assert_eq!(error(&format!("{many}depth 6")), (3, 1, Fault::TooManyTwigs));
+        assert!(Species::parse(&format!("{many}depth 5")).is_ok());
+    }
+
+    #[test]
+    fn every_message_is_one_line_that_says_the_cure() {
+        for text in ["a(s) -> ]", "x", "leaf 2 0 0 2 0 0", ""] {
+            let line = Species::parse(text).expect_err(text).to_string();
+            assert!(!line.contains('\n') && line.len() > 30, "{line}");
+        }
+    }
+}

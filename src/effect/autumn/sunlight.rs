@@ -69,7 +69,7 @@ impl<'a> Columns<'a> {
     pub(super) fn light(&self, place: Vector) -> u8 {
         let leaves = self.species.twigs() as u64 * u64::from(self.species.leaves);
         let above = u64::from(self.counts[self.number(place)]);
-        (decay((above * ABSORBED * USUAL_LEAVES / leaves.max(1)).min(u32::MAX.into()) as u32) * 255 >> 16)
+        ((decay((above * ABSORBED * USUAL_LEAVES / leaves.max(1)).min(u32::MAX.into()) as u32) * 255) >> 16)
             as u8
     }
 }

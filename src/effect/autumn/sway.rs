@@ -108,7 +108,7 @@ pub(super) fn bend(nodes: &mut [Node], size: Size, drive: Drive) {
         let third = Factor::from_num(1) / 3;
         let along = strength * (third + 2 * third * swing.sin());
         let down = strength * swing.plus(phase).cos() * third;
-        [along, down].map(|share| (i64::from(share.to_bits()) * most >> Factor::FRAC_NBITS) as i32)
+        [along, down].map(|share| ((i64::from(share.to_bits()) * most) >> Factor::FRAC_NBITS) as i32)
     });
     for node in nodes {
         for (axis, offset) in node.offset.iter_mut().enumerate() {

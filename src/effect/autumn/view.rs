@@ -73,7 +73,7 @@ impl View {
 
     /// A length in steps of 1/256 pixel.
     pub(super) fn length(&self, length: i32) -> i32 {
-        (i64::from(length) * self.scale >> BITS) as i32
+        ((i64::from(length) * self.scale) >> BITS) as i32
     }
 
     /// Where a point is seen.
