@@ -42,7 +42,7 @@ mod view;
 
 pub use plates::{CELLS as PLATE_CELLS, SIDE as PLATE_SIDE, STAGES};
 pub use render::Moment;
-pub use season::Stage;
+pub use season::{Stage, Turning};
 pub use species::{KNOWN, MOST_TWIGS, Species};
 pub use storage::storage_len;
 pub use text::{Fault, SpeciesError};
@@ -67,6 +67,8 @@ pub type Plates = [[[u8; 3]; PLATE_CELLS]; STAGES];
 /// What can be chosen of an autumn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
+    /// What decides when a leaf turns.
+    pub turning: Turning,
     /// How likely a twig turns with its bough, 0..=1; else it goes its own way.
     pub patchiness: Factor,
     /// Where the sun is: leaves in the shade of others turn later. Without it all have as much light.
@@ -84,6 +86,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
+            turning: Turning::default(),
             patchiness: Factor::lit("0.95"),
             sun: Some(Light { azimuth: Turns::from_degrees(325), elevation: Turns::from_degrees(25) }),
             leaf_fall: true,
@@ -123,7 +126,12 @@ impl<S: AsMut<[u64]>> Autumn<S> {
         let mut planes = Planes::carve(size, storage.as_mut())?;
         match plates {
             Some(pictures) => plates::fill_from_pictures(planes.plates, pictures),
-            None => plates::fill_synthetic(planes.plates, species, settings.seed),
+            None => plates::fill_synthetic(
+                planes.plates,
+                species,
+                settings.seed,
+                settings.turning != Turning::Together,
+            ),
         }
         let view = View::fit(species, settings.seed, size, settings.azimuth);
         let spread = view.length(view.reach);
@@ -133,7 +141,7 @@ impl<S: AsMut<[u64]>> Autumn<S> {
         let knots = &mut [0; _];
         let leaf_fall = settings.leaf_fall && !species.evergreen;
         let patchiness = (settings.patchiness.to_bits() >> (Factor::FRAC_NBITS - 16)).max(0) as u32;
-        let course = Course { patchiness, seed: settings.seed, leaf_fall };
+        let course = Course { turning: settings.turning, patchiness, seed: settings.seed, leaf_fall };
         let twigs = species.twigs();
         season::fill(&mut planes.calendars[..twigs], planes.sunlight, knots, species, course);
         let boughs = species.rule.boughs.len();
@@ -160,6 +168,14 @@ impl<S: AsMut<[u64]>> Autumn<S> {
     /// From the next frame on, the tree is at `stage` of its season.
     pub fn set_stage(&mut self, stage: Stage) {
         self.stage = stage;
+    }
+
+    /// Of every pixel, row by row, whether in still air a leaf on the tree covers most of it.
+    pub fn foliage(&mut self) -> impl Iterator<Item = bool> {
+        let Ok(planes) = Planes::carve(self.size, self.storage.as_mut()) else {
+            unreachable!("the storage was long enough when the tree was prepared")
+        };
+        planes.texels.iter().map(|texel| texel.cover >= 128 && usize::from(texel.depth) < MOST_TWIGS)
     }
 
     /// Gives the memory back.

@@ -46,8 +46,8 @@ pub(super) fn place(cell: usize) -> (usize, usize) {
     (gather(0), gather(1))
 }
 
-/// Fills `plates`, [`STAGES`] × [`CELLS`], from the pigments of `species`.
-pub(super) fn fill_synthetic(plates: &mut [Light], species: &Species, seed: u64) {
+/// Fills `plates`, [`STAGES`] × [`CELLS`], from the pigments of `species`; `spotted`, or each of one colour.
+pub(super) fn fill_synthetic(plates: &mut [Light], species: &Species, seed: u64, spotted: bool) {
     for (stage, plate) in plates.chunks_exact_mut(CELLS).enumerate() {
         // sin(π(stage + 1/2)/7) is half a turn over the season.
         let spread = Turns(((stage as u64 * 2 + 1) * (1 << 31) / 14) as u32).sin().to_bits() >> 12;
@@ -55,7 +55,7 @@ pub(super) fn fill_synthetic(plates: &mut [Light], species: &Species, seed: u64)
             let (x, y) = place(cell);
             // A quarter of a cell of the noise a cell of the plate: two or three spots a leaf, and leaves unlike each other.
             let place = |at: usize| (at as i32) << (noise::BITS - 2);
-            let noise = i64::from(fbm(place(x), place(y), 3, seed));
+            let noise = if spotted { i64::from(fbm(place(x), place(y), 3, seed)) } else { 0 };
             let local =
                 ((stage as i64) << 16) + hundredths(115) * i64::from(spread) / (1 << 16) * noise / (1 << 15);
             *light = reflected(species, local.clamp(0, 6 << 16) as u32);

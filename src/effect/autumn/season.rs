@@ -67,9 +67,24 @@ pub(super) type Knots = [u32; KNOTS];
 /// Every step, and the longest delay.
 const KNOTS: usize = (LAST_STEP + (MOST_DELAY >> STEP_BITS) + 1) as usize;
 
+/// What decides when a leaf turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Turning {
+    /// The shift operator, and the sunlight (the paper's fig. 6 and 11).
+    #[default]
+    Shifts,
+    /// The sunlight alone (fig. 5).
+    Sunlight,
+    /// Nothing: all leaves have one colour, and change it together (fig. 13).
+    Together,
+}
+
+named!(Turning, "turning", Shifts = "shifts", Sunlight = "sunlight", Together = "together");
+
 /// How the season runs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Course {
+    pub(super) turning: Turning,
     /// With which probability a twig follows the draw of the whole tree, of 2^16.
     pub(super) patchiness: u32,
     pub(super) seed: u64,
@@ -132,6 +147,12 @@ fn turn(calendar: &mut Calendar, twig: usize, delay: u32, shared: &[u8], species
     calendar.removals = [0; MOST_SYMBOLS];
     let mut step = 0;
     for (removal, leading) in calendar.removals.iter_mut().zip(symbols(twig, species)) {
+        if course.turning != Turning::Shifts {
+            step += 1;
+            *removal = (step << STEP_BITS) as u16
+                + if course.turning == Turning::Together { 0 } else { delay as u16 };
+            continue;
+        }
         while step < LAST_STEP {
             let chance = scatter(course.seed ^ (twig as u64) << 32 ^ u64::from(step) ^ 0x5ea5_0000_0000_0000);
             let drawn = match (chance & 0xffff) < u64::from(course.patchiness) {
@@ -173,7 +194,7 @@ fn fall(calendar: &Calendar, twig: usize, knots: &Knots, depth: usize, course: C
     if !course.leaf_fall {
         return u16::MAX;
     }
-    let done = knots[usize::from(calendar.removals[depth - 1] >> STEP_BITS).min(KNOTS - 1)];
+    let done = knots[(usize::from(calendar.removals[depth - 1] >> STEP_BITS) + 1).min(KNOTS - 1)];
     let done = u64::from((done * 6) >> (16 - Stage::BITS)); // in stages of the tree
     let chance = scatter(course.seed ^ twig as u64 ^ 0xfa11_0000_0000_0000) >> 48;
     let order = (chance + (done << 16) / u64::from(Stage::COLOURED.0)) / 2;
@@ -231,7 +252,7 @@ mod tests {
             let mut calendars = vec![Calendar::zeroed(); species.twigs()];
             let sunlight: Vec<u8> = (0..species.twigs()).map(light).collect();
             let mut knots = [0; KNOTS];
-            let course = Course { patchiness: 62_259, seed: 1, leaf_fall };
+            let course = Course { turning: Turning::Shifts, patchiness: 62_259, seed: 1, leaf_fall };
             fill(&mut calendars, &sunlight, &mut knots, &species, course);
             Self { species, calendars, knots }
         }
@@ -253,7 +274,7 @@ mod tests {
             let tree = Tree::new(name, false, |twig| (twig % 256) as u8);
             for stage in (0..=60).map(|tenth| f64::from(tenth) / 10.) {
                 let mean = tree.mean(stage);
-                assert!((mean - stage).abs() < 0.02, "{name} at {stage}: the mean stage is {mean}");
+                assert!((mean - stage).abs() < 0.04, "{name} at {stage}: the mean stage is {mean}");
             }
         }
     }
@@ -294,19 +315,45 @@ mod tests {
         }
     }
 
-    #[test]
-    fn shade_delays_and_the_apex_turns_first() {
-        let species = Species::known("maple").unwrap();
-        let tree = Tree::new("maple", false, |twig| if twig % 2 == 0 { 255 } else { 0 });
+    /// The mean stage of the twigs that `which` names, in the middle of the season.
+    fn mean_of(tree: &Tree, which: impl Fn(usize) -> bool) -> f64 {
         let now = tree.at(3.);
-        let mean = |of: &dyn Fn(usize) -> bool| {
-            let stages = tree.calendars.iter().enumerate().filter(|(twig, _)| of(*twig));
-            let (sum, count) =
-                stages.fold((0, 0), |(sum, count), (_, twig)| (sum + now.stage(twig), count + 1));
-            f64::from(sum) / f64::from(count) / 256.
-        };
-        assert!(mean(&|twig| twig % 2 == 0) > mean(&|twig| twig % 2 == 1) + 0.3);
+        let stages = tree.calendars.iter().enumerate().filter(|(twig, _)| which(*twig));
+        let (sum, count) = stages.fold((0, 0), |(sum, count), (_, twig)| (sum + now.stage(twig), count + 1));
+        f64::from(sum) / f64::from(count) / 256.
+    }
+
+    #[test]
+    fn shade_delays() {
+        let is_lit = |twig: usize| twig / 16 % 2 == 0;
+        let tree = Tree::new("maple", false, |twig| if is_lit(twig) { 255 } else { 0 });
+        let (lit, dark) = (mean_of(&tree, is_lit), mean_of(&tree, |twig| !is_lit(twig)));
+        assert!(lit > dark + 0.3, "{lit} in the light, {dark} in the shade");
+    }
+
+    #[test]
+    fn the_apex_turns_first() {
+        let species = Species::known("maple").unwrap();
+        let tree = Tree::new("maple", false, |_| 255);
         let apexes = |twig| symbols(twig, &species).filter(|&symbol| symbol == 3).count();
-        assert!(mean(&|twig| apexes(twig) >= 3) > mean(&|twig| apexes(twig) <= 1) + 0.5);
+        let (crown, rest) =
+            (mean_of(&tree, |twig| apexes(twig) >= 3), mean_of(&tree, |twig| apexes(twig) <= 1));
+        assert!(crown > rest + 0.5, "{crown} in the crown, {rest} below");
+    }
+
+    #[test]
+    fn a_bough_turns_together() {
+        // Of two twigs of one bough of fourth order, and two from anywhere: how far they are apart.
+        let tree = Tree::new("maple", false, |_| 255);
+        let now = tree.at(3.);
+        let stage = |twig: usize| f64::from(now.stage(&tree.calendars[twig])) / 256.;
+        let apart =
+            |step: usize| (0..4096).map(|twig| (stage(twig) - stage(twig ^ step)).abs()).sum::<f64>() / 4096.;
+        assert!(
+            apart(1) * 2. < apart(1 << 11),
+            "{} within a bough, {} across the tree",
+            apart(1),
+            apart(1 << 11)
+        );
     }
 }
