@@ -24,6 +24,7 @@
 
 mod airborne;
 mod canvas;
+mod foliage;
 mod grow;
 mod leaf;
 mod lsystem;
@@ -47,7 +48,7 @@ pub use species::{KNOWN, MOST_TWIGS, Species};
 pub use storage::storage_len;
 pub use text::{Fault, SpeciesError};
 
-use super::{Effect, StorageTooSmall, shimmer::Light};
+use super::{Effect, Photo, StorageTooSmall, shimmer::Light};
 use crate::{
     frame::Size,
     math::{Factor, Turns},
@@ -106,6 +107,8 @@ pub struct Autumn<S> {
     depth: u32,
     twigs: usize,
     bark: [u8; 3],
+    /// Whether leaves are those of a photo, which is behind them.
+    is_photo: bool,
     stage: Stage,
     /// The stage that the colours were last made for.
     coloured: Option<Stage>,
@@ -113,56 +116,102 @@ pub struct Autumn<S> {
     moving: [Range<usize>; 2],
 }
 
+/// What grows, and in which colours.
+#[derive(Clone, Copy, Debug)]
+pub struct Tree<'a> {
+    /// The species.
+    pub species: &'a Species,
+    /// The colours of its leaves; without them those of the species' pigments.
+    pub plates: Option<&'a Plates>,
+}
+
 impl<S: AsMut<[u64]>> Autumn<S> {
-    /// Grows a tree of `species` for pictures of `size` in `storage`, which must hold [`storage_len`] words. Without `plates` the colours
-    /// are made from the pigments of the species. The tree is at stage 0.
+    /// Grows `tree` for pictures of `size` in `storage`, which must hold [`storage_len`] words. The tree is at stage 0.
     pub fn prepare(
         size: Size,
-        species: &Species,
-        plates: Option<&Plates>,
+        tree: Tree<'_>,
         settings: &Settings,
         mut storage: S,
     ) -> Result<Self, StorageTooSmall> {
         let mut planes = Planes::carve(size, storage.as_mut())?;
-        match plates {
-            Some(pictures) => plates::fill_from_pictures(planes.plates, pictures),
-            None => plates::fill_synthetic(
-                planes.plates,
-                species,
-                settings.seed,
-                settings.turning != Turning::Together,
-            ),
-        }
-        let view = View::fit(species, settings.seed, size, settings.azimuth);
+        let view = View::fit(tree.species, settings.seed, size, settings.azimuth);
         let spread = view.length(view.reach);
         scenery::paint(planes.background, size, view.root, spread, settings.seed);
-        paint_tree(&mut planes, species, view, settings);
+        paint_tree(&mut planes, tree.species, view, settings);
         settle(&mut planes);
-        let knots = &mut [0; _];
-        let leaf_fall = settings.leaf_fall && !species.evergreen;
-        let patchiness = (settings.patchiness.to_bits() >> (Factor::FRAC_NBITS - 16)).max(0) as u32;
-        let course = Course { turning: settings.turning, patchiness, seed: settings.seed, leaf_fall };
+        let leaf_fall = settings.leaf_fall && !tree.species.evergreen;
+        Ok(Self::start(size, tree, Settings { leaf_fall, ..*settings }, view.root[1] >> 8, false, storage))
+    }
+
+    /// Takes the foliage of `photo` for a tree: what its mask holds and is green goes through the season in the colours of `tree`. The
+    /// rest stays as it is, and nothing falls. At stage 0 the picture is the photo.
+    ///
+    /// # Panics
+    /// If `photo.rgb` or `photo.mask` does not have the length that `photo.size` asks for.
+    pub fn prepare_photo(
+        photo: Photo<'_>,
+        tree: Tree<'_>,
+        settings: &Settings,
+        mut storage: S,
+    ) -> Result<Self, StorageTooSmall> {
+        let mut planes = Planes::carve(photo.size, storage.as_mut())?;
+        planes.background.copy_from_slice(photo.rgb.as_chunks().0);
+        assert_eq!(photo.mask.len(), photo.size.pixels(), "the mask does not have the photo's size");
+        foliage::fill(planes.texels, photo, tree.species, settings.seed);
+        settle(&mut planes);
+        planes.sunlight.fill(sunlight::NO_SHADE);
+        // Everything is as high as the lower half of a tree.
+        let root_y = photo.size.height as i32 * 2;
+        Ok(Self::start(photo.size, tree, Settings { leaf_fall: false, ..*settings }, root_y, true, storage))
+    }
+
+    /// What a tree and a photo have in common once their texels are there.
+    fn start(
+        size: Size,
+        tree: Tree<'_>,
+        settings: Settings,
+        root_y: i32,
+        is_photo: bool,
+        mut storage: S,
+    ) -> Self {
+        let Ok(planes) = Planes::carve(size, storage.as_mut()) else {
+            unreachable!("the storage was long enough for the texels")
+        };
+        let species = tree.species;
+        match tree.plates {
+            Some(pictures) => plates::fill_from_pictures(planes.plates, pictures),
+            None => {
+                plates::fill_synthetic(
+                    planes.plates,
+                    species,
+                    settings.seed,
+                    settings.turning != Turning::Together,
+                );
+            }
+        }
+        let mut knots = [0; _];
+        let course = Course::of(&settings);
         let twigs = species.twigs();
-        season::fill(&mut planes.calendars[..twigs], planes.sunlight, knots, species, course);
-        let boughs = species.rule.boughs.len();
-        let second = boughs.pow(species.depth.saturating_sub(2));
-        sway::fill(planes.nodes, size, planes.texels, view.root[1] >> 8, |texel| {
+        season::fill(&mut planes.calendars[..twigs], planes.sunlight, &mut knots, species, course);
+        let second = species.rule.boughs.len().pow(species.depth.saturating_sub(2));
+        sway::fill(planes.nodes, size, planes.texels, root_y, |texel| {
             let on_tree = texel.cover > 0 && usize::from(texel.depth) < MOST_TWIGS;
             on_tree.then_some(usize::from(texel.address >> 4) / second % sway::BOUGHS)
         });
-        let moving = moving(&planes, leaf_fall);
-        Ok(Self {
+        let moving = moving(&planes, settings.leaf_fall);
+        Self {
             size,
             storage,
-            knots: *knots,
+            knots,
             depth: species.depth,
             twigs,
             bark: species.bark,
+            is_photo,
             stage: Stage::default(),
             coloured: None,
-            airborne: leaf_fall.then(|| Airborne::new(settings.fall_frames, settings.seed)),
+            airborne: settings.leaf_fall.then(|| Airborne::new(settings.fall_frames, settings.seed)),
             moving,
-        })
+        }
     }
 
     /// From the next frame on, the tree is at `stage` of its season.
@@ -248,7 +297,7 @@ impl<S: AsMut<[u64]>> Effect for Autumn<S> {
         };
         let now = Now::new(self.stage, &self.knots, self.depth);
         if self.coloured != Some(self.stage) {
-            render::colour(&mut planes, now, self.twigs);
+            render::colour(&mut planes, now, self.twigs, self.is_photo);
             for state in &mut planes.states[MOST_TWIGS..] {
                 state.gain = 128;
             }

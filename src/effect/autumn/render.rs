@@ -23,13 +23,17 @@ use heapless::Vec;
 pub struct Moment<'a> {
     planes: Planes<'a>,
     bark: [u8; 3],
+    /// Whether what is behind the leaves moves with them.
+    is_photo: bool,
     sprites: Vec<Sprite, MOST>,
     /// What can differ from frame to frame: columns and rows.
     moving: [Range<usize>; 2],
 }
 
 /// Fills the colour of every address, for the season of `now`: the plates of two neighbouring stages, blended in linear light.
-pub(super) fn colour(planes: &mut Planes<'_>, now: Now, twigs: usize) {
+///
+/// Leaves of a photo come over it within their first two stages.
+pub(super) fn colour(planes: &mut Planes<'_>, now: Now, twigs: usize, is_photo: bool) {
     for (twig, calendar) in planes.calendars[..twigs].iter().enumerate() {
         let stage = now.stage(calendar);
         let (below, share) = ((stage >> 8) as usize, stage & 0xff);
@@ -41,7 +45,7 @@ pub(super) fn colour(planes: &mut Planes<'_>, now: Now, twigs: usize) {
         for ((colour, from), to) in colours.iter_mut().zip(tile(below)).zip(tile(above)) {
             *colour = mixed(*from, *to, share);
         }
-        let there = now.leaves(calendar);
+        let there = if is_photo { (stage / 2).min(255) as u8 } else { now.leaves(calendar) };
         planes.states[twig].there = there;
         planes.states[twig + MOST_TWIGS].there = 255 - there;
     }
@@ -82,12 +86,12 @@ struct Run {
 
 impl<'a> Moment<'a> {
     pub(super) fn new<S: AsMut<[u64]>>(autumn: &'a mut Autumn<S>, sprites: Vec<Sprite, MOST>) -> Self {
-        let (size, bark) = (autumn.size, autumn.bark);
+        let (size, bark, is_photo) = (autumn.size, autumn.bark, autumn.is_photo);
         let moving = autumn.moving.clone();
         let Ok(planes) = Planes::carve(size, autumn.storage.as_mut()) else {
             unreachable!("the storage was long enough when the tree was prepared")
         };
-        Self { planes, bark, sprites, moving }
+        Self { planes, bark, is_photo, sprites, moving }
     }
 
     /// Where the pixels from (x, y) on are fetched from.
@@ -194,6 +198,14 @@ impl effect::Moment for Moment<'_> {
             self.fetch(&sources[..count], &mut run);
             for (channel, plane) in levels.planes().into_iter().enumerate() {
                 let bark = u16::from(self.bark[channel]);
+                if self.is_photo {
+                    for (i, (level, &source)) in plane.iter_mut().zip(&sources).enumerate() {
+                        let pixel =
+                            self.planes.background[(source as usize).min(self.planes.background.len() - 1)];
+                        *level = layered(pixel[channel], bark, run.leaf[channel][i], &run, i);
+                    }
+                    continue;
+                }
                 for (i, (level, pixel)) in plane.iter_mut().zip(behind).enumerate() {
                     *level = layered(pixel[channel], bark, run.leaf[channel][i], &run, i);
                 }

@@ -91,6 +91,13 @@ pub(super) struct Course {
     pub(super) leaf_fall: bool,
 }
 
+impl Course {
+    pub(super) fn of(settings: &super::Settings) -> Self {
+        let patchiness = (settings.patchiness.to_bits() >> (Factor::FRAC_NBITS - 16)).max(0) as u32;
+        Self { turning: settings.turning, patchiness, seed: settings.seed, leaf_fall: settings.leaf_fall }
+    }
+}
+
 /// Fills the calendars of all twigs, of which `sunlight` holds the L, 255 being all light.
 pub(super) fn fill(
     calendars: &mut [Calendar],
