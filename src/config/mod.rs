@@ -6,7 +6,10 @@
 pub mod night;
 
 use crate::{
-    effect::shimmer::{self, Range},
+    effect::{
+        kaleidoscope,
+        shimmer::{self, Range},
+    },
     noise::{Kind, drive},
 };
 
@@ -21,8 +24,10 @@ pub const DEFAULT_FRAMES_PER_SECOND: u32 = 12;
 pub struct Life {
     /// What drives it.
     pub drive: drive::Settings,
-    /// How the driven picture looks.
+    /// How a shimmer looks.
     pub shimmer: shimmer::Settings,
+    /// How a kaleidoscope looks.
+    pub kaleidoscope: kaleidoscope::Settings,
 }
 
 impl Life {
@@ -86,6 +91,8 @@ pub enum EffectChoice {
     /// [`crate::effect::shimmer`].
     #[default]
     Shimmer,
+    /// [`crate::effect::kaleidoscope`].
+    Kaleidoscope,
 }
 
-named!(EffectChoice, "effect", Shimmer = "shimmer");
+named!(EffectChoice, "effect", Shimmer = "shimmer", Kaleidoscope = "kaleidoscope");

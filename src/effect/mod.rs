@@ -5,10 +5,13 @@
 //! knows no device, file or clock.
 
 pub mod autumn;
+pub mod kaleidoscope;
 pub mod paint;
+mod picture;
 pub mod shimmer;
 
 pub use paint::Paint;
+pub use picture::{Picture, PictureMoment};
 
 use crate::{
     frame::{FrameMut, Size, pack::Levels},

@@ -111,6 +111,13 @@ impl Album {
         self.playlist.upcoming().filter(|id| Some(*id) != current && !self.bad.contains(id))
     }
 
+    /// Where the photo is whose colours the one of `id` may take: the one that is shown before it, or comes after it.
+    pub(super) fn neighbour(&mut self, id: PhotoId) -> Option<PathBuf> {
+        let current = self.playlist.current().filter(|&other| other != id);
+        let other = current.or_else(|| self.upcoming());
+        other.and_then(|other| self.path(other))
+    }
+
     /// Whether there is another photo to go on to.
     pub(super) fn goes_on(&self) -> bool {
         self.playlist.len() > 1

@@ -7,7 +7,10 @@ use super::{
 use crate::{
     config::{self, EffectChoice, Preset},
     display::sim,
-    effect::shimmer::{Branch, Light, Range},
+    effect::{
+        kaleidoscope::{self, fractal::Search},
+        shimmer::{Branch, Light, Range},
+    },
     frame::{PixelFormat, Rotation, Size},
     math::{Factor, Turns},
     noise::{Kind, drive::PhaseForm},
@@ -40,6 +43,10 @@ pub enum Command {
     Noise(Noise),
     /// Write the automatic mask of a photo, to look at and edit in any paint program.
     Mask(Mask),
+    /// Code a photo's luma as a fractal: a .yfc file.
+    Encode(Encode),
+    /// Draw the picture that a .yfc file describes.
+    Decode(Decode),
     /// Print, check and explain what can be configured.
     Config(ConfigFile),
     /// List the displays, and the state of the console.
@@ -154,6 +161,64 @@ pub struct Mask {
     pub out: Target,
 }
 
+/// Arguments of `encode`.
+#[derive(Debug, clap::Args)]
+pub struct Encode {
+    /// The photo.
+    pub photo: PathBuf,
+    /// The file to write.
+    #[arg(long, value_name = "FILE.yfc", value_parser = yfc_path())]
+    pub out: PathBuf,
+    /// Where domains are looked for: none, local, filter8, filterC or classes72.
+    #[arg(long, default_value = "filter8")]
+    pub search: Search,
+    /// Ranges that are further off than so many levels are cut in four while they can be: 0 to 255; the root of the mean square.
+    #[arg(long, value_name = "LEVELS", default_value = "8")]
+    pub tolerance: Tolerance,
+    /// Shrink the photo to lie within WIDTHxHEIGHT; without it, within 4096x4096.
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<Size>,
+    /// Show no progress.
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// Arguments of `decode`.
+#[derive(Debug, clap::Args)]
+pub struct Decode {
+    /// The file.
+    #[arg(value_name = "FILE.yfc")]
+    pub file: PathBuf,
+    /// The picture to write.
+    #[arg(long, value_name = "FILE.png", value_parser = png_target())]
+    pub out: Target,
+    /// How often every range is drawn, starting from grey.
+    #[arg(long, value_name = "K", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=100))]
+    pub iterations: u32,
+}
+
+/// An error in levels, 0 to 255, in steps of 1/16.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tolerance(u16);
+
+impl Tolerance {
+    /// In 1/16 levels.
+    pub const fn to_q4(self) -> u16 {
+        self.0
+    }
+}
+
+impl FromStr for Tolerance {
+    type Err = &'static str;
+
+    fn from_str(word: &str) -> Result<Self, Self::Err> {
+        let number = word.parse::<f64>().ok().filter(|levels| (0.0..=255.0).contains(levels));
+        number
+            .map(|levels| Self((levels * 16.0).round() as u16))
+            .ok_or("a tolerance is 0 to 255 levels, like 8")
+    }
+}
+
 /// Arguments of `config`.
 #[derive(Debug, clap::Args)]
 #[group(required = true, multiple = false)]
@@ -178,7 +243,7 @@ pub struct Look {
     /// The seed of the noises: the same seed, the same motion.
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// The effect: shimmer.
+    /// The effect: shimmer or kaleidoscope.
     #[arg(long)]
     pub effect: Option<EffectChoice>,
     /// The paper's set-up for poplar, rowan, river or waterfall; single options go before it.
@@ -214,6 +279,18 @@ pub struct Look {
     /// Where the wind blows to, degrees clockwise from the top, -360 to 360, for the travelling range.
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = clap::value_parser!(i16).range(-360..=360))]
     pub wind: Option<i16>,
+    /// The photo whose colours a kaleidoscope takes; in a show, by default, that of another photo.
+    #[arg(long, value_name = "PHOTO")]
+    pub reference: Option<PathBuf>,
+    /// What a kaleidoscope makes of the photo: tonal, watercolour, or literal as its paper has it.
+    #[arg(long)]
+    pub mode: Option<kaleidoscope::Mode>,
+    /// Where a kaleidoscope's coder looks for domains: none, local, filter8, filterC or classes72.
+    #[arg(long)]
+    pub search: Option<Search>,
+    /// How many symbols the addresses of a kaleidoscope have, 1 to 3: with fewer, colours are means over larger parts.
+    #[arg(long, value_name = "M", value_parser = clap::value_parser!(u8).range(1..=3))]
+    pub depth: Option<u8>,
     /// How a photo of another shape fills the panel: blurred, fill or plain.
     #[arg(long)]
     pub fit: Option<Fit>,
@@ -349,10 +426,17 @@ fn target() -> impl TypedValueParser<Value = Target> {
     OsStringValueParser::new().try_map(|word| Target::parse(&word))
 }
 
+fn yfc_path() -> impl TypedValueParser<Value = PathBuf> {
+    let is_yfc =
+        |path: &PathBuf| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("yfc"));
+    clap::builder::PathBufValueParser::new()
+        .try_map(move |path| Some(path).filter(is_yfc).ok_or("name a file that ends in .yfc"))
+}
+
 fn png_target() -> impl TypedValueParser<Value = Target> {
     target().try_map(|target| match target {
         Target::File { format: FileFormat::Png, .. } => Ok(target),
-        other => Err(format!("{other}: a mask is written as a picture; name a file that ends in .png")),
+        other => Err(format!("{other}: one picture is written; name a file that ends in .png")),
     })
 }
 

@@ -69,6 +69,8 @@ pub struct Config {
 pub struct Look {
     /// What brings it to life.
     pub effect: EffectChoice,
+    /// The photo whose colours a kaleidoscope takes; without a word, its neighbour in the show.
+    pub reference: Option<PathBuf>,
     /// How it lives, at [`DEFAULT_FRAMES_PER_SECOND`].
     pub life: Life,
     /// What of it moves; without a word the mask beside the photo says, else the automatic one.
@@ -85,6 +87,7 @@ impl Default for Look {
     fn default() -> Self {
         Self {
             effect: EffectChoice::default(),
+            reference: None,
             life: Life::default(),
             mask: None,
             fit: Fit::default(),
@@ -189,7 +192,8 @@ impl args::Look {
         look.effect = self.effect.unwrap_or(look.effect);
         look.mask = self.mask.clone().or(look.mask.take());
         look.fit = self.fit.unwrap_or(look.fit);
-        let Life { drive, shimmer } = &mut look.life;
+        look.reference = self.reference.clone().or(look.reference.take());
+        let Life { drive, shimmer, kaleidoscope } = &mut look.life;
         drive.amplitude = self.amplitude.unwrap_or(drive.amplitude);
         drive.frequency = self.frequency.unwrap_or(drive.frequency);
         drive.phase = self.phase.unwrap_or(drive.phase);
@@ -198,6 +202,9 @@ impl args::Look {
         shimmer.light = self.light.unwrap_or(shimmer.light);
         shimmer.relief = self.relief.unwrap_or(shimmer.relief);
         shimmer.strength = self.strength.unwrap_or(shimmer.strength);
+        kaleidoscope.mode = self.mode.unwrap_or(kaleidoscope.mode);
+        kaleidoscope.search = self.search.unwrap_or(kaleidoscope.search);
+        kaleidoscope.depth = self.depth.unwrap_or(kaleidoscope.depth);
         shimmer.wind = self.wind.map_or(shimmer.wind, |degrees| Turns::from_degrees(degrees.into()));
     }
 }

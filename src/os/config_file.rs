@@ -7,6 +7,7 @@ use super::{
 };
 use crate::{
     config::{FRAMES_PER_SECOND, Preset, night::Zone},
+    effect::kaleidoscope,
     input::Button,
     math::Turns,
 };
@@ -99,6 +100,11 @@ pub(super) fn life(document: &mut Document<'_>, section: &'static str, look: &mu
     document.read((section, "relief"), &mut shimmer.relief, number(args::factor));
     document.read((section, "strength"), &mut shimmer.strength, number(args::factor));
     document.read((section, "wind"), &mut shimmer.wind, number(wind));
+    let settings = &mut look.life.kaleidoscope;
+    document.read((section, "mode"), &mut settings.mode, word);
+    document.read((section, "search"), &mut settings.search, word);
+    document.read((section, "depth"), &mut settings.depth, whole(kaleidoscope::Settings::DEPTHS));
+    document.read_some((section, "reference"), &mut look.reference, |value| path(value, folder));
     document.read_some((section, "mask"), &mut look.mask, |value| {
         Ok(match word(value)? {
             args::MaskChoice::File(_) => args::MaskChoice::File(path(value, folder)?),

@@ -5,12 +5,7 @@ use super::{
     config::Config,
     scene::{self, Scene, Source},
 };
-use crate::{
-    app::playlist::PhotoId,
-    effect::shimmer::{Shimmer, storage_len},
-    frame::Size,
-    noise::drive,
-};
+use crate::{app::playlist::PhotoId, effect::Picture, frame::Size, noise::drive};
 use std::{
     path::PathBuf,
     sync::{
@@ -25,7 +20,7 @@ pub(super) struct Living {
     pub(super) id: PhotoId,
     pub(super) name: String,
     pub(super) size: Size,
-    pub(super) shimmer: Shimmer<Vec<u64>>,
+    pub(super) picture: Picture<Vec<u64>>,
     /// The noises and times of the photo's own look.
     pub(super) drive: drive::Settings,
     /// How long it is to be shown.
@@ -37,6 +32,8 @@ struct Order {
     id: PhotoId,
     /// `None` is the demo photo.
     path: Option<PathBuf>,
+    /// The photo whose colours a kaleidoscope takes.
+    other: Option<PathBuf>,
     size: Size,
     storage: Vec<u64>,
 }
@@ -83,10 +80,10 @@ impl Loader {
         self.busy
     }
 
-    /// Orders a photo for a panel of `size`; without a path, the demo photo.
-    pub(super) fn order(&mut self, id: PhotoId, path: Option<PathBuf>, size: Size) {
+    /// Orders a photo for a panel of `size`; without a path, the demo photo. A kaleidoscope takes the colours of the `other` one.
+    pub(super) fn order(&mut self, id: PhotoId, path: Option<PathBuf>, other: Option<PathBuf>, size: Size) {
         let storage = self.spare.pop().unwrap_or_default();
-        self.busy = self.orders.send(Order { id, path, size, storage }).is_ok();
+        self.busy = self.orders.send(Order { id, path, other, size, storage }).is_ok();
     }
 
     /// The photo that was ordered, once it is there; does not wait.
@@ -104,22 +101,21 @@ impl Loader {
     pub(super) fn recycle(&mut self, living: Living) {
         // One is loaded while one is shown: more is never needed.
         if self.spare.is_empty() {
-            self.spare.push(living.shimmer.into_storage());
+            self.spare.push(living.picture.into_storage());
         }
     }
 }
 
 fn load(order: Order, config: &Config) -> Result<Living, Failure> {
-    let Order { id, path, size, mut storage } = order;
+    let Order { id, path, other, size, storage } = order;
     let source = path.as_deref().map_or(Source::Demo, Source::File);
-    let scene = Scene::load(source, size, config)?;
+    let scene = Scene::load_beside(source, other.as_deref(), size, config)?;
     let life = scene::turned(scene.look().life.at(config.frames_per_second), config.rotation);
-    storage.resize(storage_len(size), 0);
     Ok(Living {
         id,
         name: scene.name().to_owned(),
         size,
-        shimmer: Shimmer::prepare(scene.photo(), &life.shimmer, storage)?,
+        picture: scene.prepare(&life, storage)?,
         drive: life.drive,
         seconds: scene.look().seconds,
     })

@@ -40,6 +40,7 @@ mod usage;
 #[cfg(feature = "window")]
 pub mod window;
 
+mod encode;
 mod mask;
 mod noise;
 mod render;
@@ -91,6 +92,8 @@ pub fn execute(args: Args) -> Result<(), Failure> {
         Some(Command::Render(args)) => render::render(&args),
         Some(Command::Noise(args)) => noise::noise(&args),
         Some(Command::Mask(args)) => mask::mask(&args),
+        Some(Command::Encode(args)) => encode::encode(&args),
+        Some(Command::Decode(args)) => encode::decode(&args),
         Some(Command::Config(args)) => config_command::config(&args),
         Some(Command::Probe) => {
             print!("{}", probe::report());

@@ -144,6 +144,14 @@ fn check_panel(size: Size) -> Result<(), Fault> {
     if known { Ok(()) } else { Err(Fault::PanelSize(size)) }
 }
 
+/// The bytes of the file at `path`, at the most `limit`. Only regular files are opened, and nothing blocks.
+///
+/// # Errors
+/// As [`load`].
+pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>, PhotoError> {
+    file::read(path, limit).map_err(|fault| PhotoError::new(&path.to_string_lossy(), fault))
+}
+
 /// Resamples a photo to its place on the panel and fills the border.
 fn place(name: &str, photo: Decoded, options: &Options) -> Photo {
     let Options { size, fit, background, .. } = *options;

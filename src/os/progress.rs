@@ -11,11 +11,20 @@ pub struct Progress(ProgressBar);
 impl Progress {
     /// A bar for `frames` frames; `quiet` shows none.
     pub fn new(frames: u32, quiet: bool) -> Self {
+        Self::with_template(u64::from(frames), FRAMES, quiet)
+    }
+
+    /// A bar for work of `length` steps, which people are told in percent.
+    pub fn of_work(length: u64, quiet: bool) -> Self {
+        Self::with_template(length, WORK, quiet)
+    }
+
+    fn with_template(length: u64, template: &str, quiet: bool) -> Self {
         let shown = !quiet && io::stderr().is_terminal();
         let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-        let bar = ProgressBar::with_draw_target(Some(u64::from(frames)), target);
+        let bar = ProgressBar::with_draw_target(Some(length), target);
         // A template that does not parse would lose the numbers, not the work; a test parses it.
-        if let Ok(style) = ProgressStyle::with_template(TEMPLATE) {
+        if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.progress_chars("█▉▊▋▌▍▎▏ "));
         }
         Self(bar)
@@ -25,6 +34,11 @@ impl Progress {
     pub fn frame_done(&self) {
         self.0.inc(1);
     }
+
+    /// So many steps are done.
+    pub fn set(&self, steps: u64) {
+        self.0.set_position(steps);
+    }
 }
 
 impl Drop for Progress {
@@ -33,14 +47,15 @@ impl Drop for Progress {
     }
 }
 
-const TEMPLATE: &str = "{wide_bar} {pos}/{len} frames, {eta} left";
+const FRAMES: &str = "{wide_bar} {pos}/{len} frames, {eta} left";
+const WORK: &str = "{wide_bar} {percent} %, {eta} left";
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn the_template_is_one_that_indicatif_reads() {
-        assert!(ProgressStyle::with_template(TEMPLATE).is_ok());
+    fn the_templates_are_ones_that_indicatif_reads() {
+        assert!([FRAMES, WORK].into_iter().all(|template| ProgressStyle::with_template(template).is_ok()));
     }
 }

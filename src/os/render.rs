@@ -12,7 +12,6 @@ use super::{
 use crate::{
     app::Show,
     display::sim::{self, Buffering, Sim},
-    effect::shimmer::{Shimmer, storage_len},
     frame::Layout,
 };
 use clap::Parser;
@@ -50,8 +49,7 @@ fn film(args: &args::Render, source: Source<'_>) -> Result<(), Failure> {
     let config = Config { typed: args.look.clone(), ..Config::default() };
     let scene = Scene::load(source, args.size, &config)?;
     let life = scene.look().life.at(args.fps);
-    let mut storage = vec![0; storage_len(args.size)];
-    let mut shimmer = Shimmer::prepare(scene.photo(), &life.shimmer, &mut storage)?;
+    let mut picture = scene.prepare(&life, Vec::new())?;
     let memory = vec![0; sim::memory_len(layout, Buffering::Single)];
     let mut panel = Sim::new(memory, layout, Buffering::Single, 0)?;
     let mut show = Show::new(life.drive, args.fps, args.look.seed.unwrap_or(config.seed));
@@ -64,7 +62,7 @@ fn film(args: &args::Render, source: Source<'_>) -> Result<(), Failure> {
         if interrupt.requested() {
             return Err(Failure::new(stopped(args)));
         }
-        show.turn(&mut shimmer, scene.name(), &mut panel)?;
+        show.turn(&mut picture, scene.name(), &mut panel)?;
         let Some(frame) = panel.shown() else { unreachable!("a frame was just presented") };
         if let Some(writer) = &mut writer {
             writer.write(frame)?;

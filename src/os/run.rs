@@ -173,8 +173,8 @@ impl Running {
         let Some(current) = self.current.as_mut().filter(|_| !self.dimmer.is_dark()) else {
             return Ok(false);
         };
-        let leaving = self.leaving.as_mut().map(|leaving| &mut leaving.shimmer);
-        let turned = self.show.turn_from(leaving, &mut current.shimmer, &current.name, &mut self.panel);
+        let leaving = self.leaving.as_mut().map(|leaving| &mut leaving.picture);
+        let turned = self.show.turn_from(leaving, &mut current.picture, &current.name, &mut self.panel);
         if let Some(keyboards) = &mut self.keyboards {
             keyboards.set_listening(!matches!(turned, Err(DisplayError::Lost)));
         }
@@ -218,14 +218,16 @@ impl Running {
             if let Some(other) = self.next.take() {
                 self.loader.recycle(other);
             }
-            self.loader.order(wanted, self.album.path(wanted), size);
+            let other = self.album.neighbour(wanted);
+            self.loader.order(wanted, self.album.path(wanted), other, size);
         }
         Ok(())
     }
 
     fn order_upcoming(&mut self, size: Size) {
         if let Some(upcoming) = self.album.upcoming() {
-            self.loader.order(upcoming, self.album.path(upcoming), size);
+            let other = self.album.neighbour(upcoming);
+            self.loader.order(upcoming, self.album.path(upcoming), other, size);
         }
     }
 

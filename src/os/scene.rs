@@ -8,9 +8,10 @@ use super::{
     photo,
 };
 use crate::{
-    config::Life,
+    config::{EffectChoice, Life},
     effect::{
-        Photo,
+        Photo, Picture,
+        kaleidoscope::Reference,
         shimmer::automatic_mask::{HARDLY_ANYTHING_PER_MILLE, automatic_mask, moving_per_mille, scratch_len},
     },
     frame::{Rotation, Size, rotate},
@@ -39,14 +40,25 @@ pub struct Scene {
     rgb: Vec<u8>,
     mask: Vec<u8>,
     look: Look,
+    reference: Option<photo::Photo>,
 }
 
 impl Scene {
     /// Loads the photo at `source`, its mask and its sidecar for a panel of `size` that is mounted as `config` says.
     ///
     /// # Errors
-    /// A photo or mask that cannot be used; one line that names it, what is wrong and the cure.
+    /// A photo, mask or reference that cannot be used; one line that names it, what is wrong and the cure.
     pub fn load(source: Source<'_>, size: Size, config: &Config) -> Result<Self, Failure> {
+        Self::load_beside(source, None, size, config)
+    }
+
+    /// As [`Self::load`]; a kaleidoscope takes the colours of the photo at `other` where nobody has chosen others.
+    pub(super) fn load_beside(
+        source: Source<'_>,
+        other: Option<&Path>,
+        size: Size,
+        config: &Config,
+    ) -> Result<Self, Failure> {
         let look = match source {
             Source::File(path) => config.look(path),
             Source::Demo => config.plain_look(),
@@ -59,16 +71,22 @@ impl Scene {
             Source::File(path) => photo::load(path, &options)?,
             Source::Demo => photo::from_bytes("the demo photo", DEMO, &options)?,
         };
-        let mask = choose_mask(source, &photo, &look, &options.limits)?;
+        let (mask, reference) = match look.effect {
+            EffectChoice::Shimmer => (choose_mask(source, &photo, &look, &options.limits)?, None),
+            // All of it moves.
+            EffectChoice::Kaleidoscope => {
+                (vec![255; upright.pixels()], load_reference(other, &look, &options.limits)?)
+            }
+        };
         let name =
             Path::new(&photo.name).file_name().map_or(photo.name.clone(), |n| n.to_string_lossy().into());
         if rotation == Rotation::None {
-            return Ok(Self { name, size, rgb: photo.rgb, mask, look });
+            return Ok(Self { name, size, rgb: photo.rgb, mask, look, reference });
         }
         let (mut rgb, mut turned_mask) = (vec![[0; 3]; size.pixels()], vec![0; size.pixels()]);
         rotate(rotation, photo.rgb.as_chunks::<3>().0, upright, &mut rgb);
         rotate(rotation, &mask, upright, &mut turned_mask);
-        Ok(Self { name, size, rgb: rgb.into_flattened(), mask: turned_mask, look })
+        Ok(Self { name, size, rgb: rgb.into_flattened(), mask: turned_mask, look, reference })
     }
 
     /// What people call the photo: the name of its file.
@@ -79,6 +97,22 @@ impl Scene {
     /// How the photo is shown: as its sidecar says, or as all are.
     pub const fn look(&self) -> &Look {
         &self.look
+    }
+
+    /// The photo with the effect that was chosen for it, which lives as `life` says.
+    ///
+    /// # Errors
+    /// If there is less memory than that takes.
+    pub fn prepare(&self, life: &Life, mut storage: Vec<u64>) -> Result<Picture<Vec<u64>>, Failure> {
+        let effect = self.look.effect;
+        let needed = Picture::<Vec<u64>>::storage_len(effect, self.size, life);
+        storage.try_reserve_exact(needed.saturating_sub(storage.len()))?;
+        storage.resize(needed, 0);
+        // Without another, a photo gives its own colours.
+        let own = Reference { size: self.size, rgb: &self.rgb };
+        let reference =
+            self.reference.as_ref().map_or(own, |other| Reference { size: other.size, rgb: &other.rgb });
+        Ok(Picture::prepare(effect, self.photo(), reference, life, storage)?)
     }
 
     /// What an effect is prepared from.
@@ -94,6 +128,21 @@ pub(super) fn turned(mut life: Life, rotation: Rotation) -> Life {
     shimmer.light.azimuth = shimmer.light.azimuth.plus(turn);
     shimmer.wind = shimmer.wind.plus(turn);
     life
+}
+
+/// A reference is looked at no more closely than this.
+const REFERENCE_SIZE: Size = Size::new(1024, 1024);
+
+/// The photo whose colours are taken: the one that was chosen, else the `other` one. That one may be as bad as any of a show.
+fn load_reference(
+    other: Option<&Path>,
+    look: &Look,
+    limits: &photo::Limits,
+) -> Result<Option<photo::Photo>, Failure> {
+    if let Some(chosen) = &look.reference {
+        return Ok(Some(photo::load_within(chosen, REFERENCE_SIZE, limits)?));
+    }
+    Ok(other.and_then(|path| photo::load_within(path, REFERENCE_SIZE, limits).ok()))
 }
 
 /// The mask that was asked for; without a word, the one beside the photo, else the automatic one.

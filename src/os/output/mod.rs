@@ -31,7 +31,21 @@ use std::{
     fs::File,
     io::{self, BufWriter, Seek, Write},
     os::fd::AsFd,
+    path::Path,
 };
+
+/// Writes a whole file, which appears under its name when it is whole.
+///
+/// # Errors
+///
+/// A place that takes no more bytes. Then nothing is left behind, and a file that was there before stays as it was.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    let written = StagedFile::create(path).and_then(|staged| {
+        staged.open()?.write_all(bytes)?;
+        staged.commit()
+    });
+    written.map_err(|error| OutputError::new(&path.to_string_lossy(), Problem::Io(error)))
+}
 
 /// One file format being written: takes frames as packed 8-bit red, green, blue.
 trait Encode {

@@ -1,0 +1,149 @@
+//! From two photos to addresses and a texture, in lent memory.
+
+use super::{
+    Kaleidoscope, Mode, Settings,
+    address::{self, ADDRESSES, DEPTH, Literal, Symbols, Tones},
+    fractal::{self, Leaf, Options, most_leaves, plane_size},
+    luma,
+    mirrors::Mirrors,
+    storage::{take, words},
+    texture::{self, Reference, SIDE, Texel},
+    windows::Summary,
+};
+use crate::{
+    effect::{Photo, StorageTooSmall},
+    frame::Size,
+};
+
+/// What is kept of a photo and its reference: 5 bytes a pixel, or 11 in [`Mode::Watercolour`], and 544 KB.
+#[derive(Debug)]
+pub(super) struct Planes<'a> {
+    pub(super) rgb: &'a mut [[u8; 3]],
+    /// The addresses of all pixels, once for each code; shifted down to the depth of the table.
+    pub(super) addresses: &'a mut [u16],
+    pub(super) texels: &'a mut [Texel],
+    pub(super) table: &'a mut [Texel],
+    /// Memory of preparation.
+    scratch: &'a mut [u64],
+}
+
+/// Words of 64 bits that [`Kaleidoscope::prepare`] needs for a photo of `size`: 5 bytes a pixel (11 in [`Mode::Watercolour`]) and 544 KB that are kept,
+/// and up to 12 bytes a pixel of scratch.
+pub const fn storage_len(size: Size, settings: &Settings) -> usize {
+    let pixels = size.pixels();
+    let kept = words::<[u8; 3]>(pixels)
+        + words::<u16>(pixels * settings.mode.shifts().len())
+        + words::<Texel>(SIDE * SIDE)
+        + words::<Texel>(ADDRESSES);
+    kept + scratch_len(size, settings)
+}
+
+const fn scratch_len(size: Size, settings: &Settings) -> usize {
+    let (mut most, mut i) = (texture::scratch_len(), 0);
+    while i < settings.mode.shifts().len() {
+        let plane = plane_size(size, settings.mode.shifts()[i]);
+        let pixels = plane.pixels();
+        let coding = words::<u8>(pixels)
+            + words::<u8>(pixels / 4)
+            + words::<Leaf>(most_leaves(plane))
+            + larger(fractal::scratch_len(plane, settings.search), words::<u16>(pixels));
+        most = larger(most, coding);
+        i += 1;
+    }
+    most
+}
+
+const fn larger(a: usize, b: usize) -> usize {
+    if a > b { a } else { b }
+}
+
+impl<'a> Planes<'a> {
+    pub(super) fn carve(size: Size, mode: Mode, mut memory: &'a mut [u64]) -> Option<Self> {
+        let (memory, pixels) = (&mut memory, size.pixels());
+        Some(Self {
+            rgb: take(memory, pixels)?,
+            addresses: take(memory, pixels * mode.shifts().len())?,
+            texels: take(memory, SIDE * SIDE)?,
+            table: take(memory, ADDRESSES)?,
+            scratch: core::mem::take(memory),
+        })
+    }
+}
+
+/// Sweeps of the decoder: from grey, photos are settled to within a level.
+const SWEEPS: u32 = 6;
+
+/// How far a range may be off: half of what coders are compared at. Compression is not the aim, and borders of ranges are seen first where the
+/// picture is smooth.
+const TOLERANCE_Q4: u16 = 4 << 4;
+
+pub(super) fn prepare<S: AsMut<[u64]>>(
+    photo: Photo<'_>,
+    reference: Reference<'_>,
+    settings: &Settings,
+    mut storage: S,
+) -> Result<Kaleidoscope<S>, StorageTooSmall> {
+    let Settings { mode, .. } = *settings;
+    assert_eq!(photo.rgb.len(), photo.size.pixels() * 3, "the photo's colours do not have its size");
+    assert_eq!(
+        reference.rgb.len(),
+        reference.size.pixels() * 3,
+        "the reference's colours do not have its size"
+    );
+    let memory = storage.as_mut();
+    let too_small = StorageTooSmall { needed: storage_len(photo.size, settings), got: memory.len() };
+    if too_small.got < too_small.needed {
+        return Err(too_small);
+    }
+    let planes = Planes::carve(photo.size, mode, memory).ok_or(too_small)?;
+    let depth = u32::from(settings.depth).clamp(1, DEPTH);
+    texture::fill(reference, depth, planes.texels, planes.scratch)?;
+    planes.rgb.copy_from_slice(photo.rgb.as_chunks().0);
+    let layers = planes.addresses.chunks_exact_mut(photo.size.pixels().max(1));
+    let mut tones = None;
+    for (&shift, layer) in mode.shifts().iter().zip(layers) {
+        fill_addresses(planes.rgb, photo.size, shift, settings, &mut tones, planes.scratch, layer)
+            .ok_or(too_small)?;
+    }
+    let tonal = tones.map(|tones| (Summary::new(planes.texels), tones));
+    Ok(Kaleidoscope { size: photo.size, mode, depth, mirrors: Mirrors::new(tonal), storage })
+}
+
+/// Codes the photo with its corner at `shift` and fills the addresses of its pixels. `tones` are those of the first code.
+fn fill_addresses(
+    rgb: &[[u8; 3]],
+    size: Size,
+    shift: (u32, u32),
+    settings: &Settings,
+    tones: &mut Option<Tones>,
+    mut scratch: &mut [u64],
+    layer: &mut [u16],
+) -> Option<()> {
+    let plane = plane_size(size, shift);
+    let memory = &mut scratch;
+    let levels = take::<u8>(memory, plane.pixels())?;
+    let contracted = take::<u8>(memory, plane.pixels() / 4)?;
+    let leaves = take::<Leaf>(memory, most_leaves(plane))?;
+    fractal::fill_plane(size, shift, levels, |i| luma(rgb[i]));
+    let options = Options { search: settings.search, tolerance_q4: TOLERANCE_Q4, ..Options::default() };
+    let code = fractal::encode(levels, plane, &options, memory, leaves, |_| ()).ok()?;
+    fractal::decode(&code, SWEEPS, levels, contracted);
+
+    let addresses = take::<u16>(memory, plane.pixels())?;
+    let literal;
+    let symbols = if settings.mode == Mode::Literal {
+        literal = Literal::new(&code);
+        Symbols::Literal(&literal)
+    } else {
+        Symbols::Tonal(tones.get_or_insert_with(|| Tones::new(levels)))
+    };
+    address::fill(&code, &symbols, levels, addresses);
+    let (width, columns) = (plane.width as usize, size.width as usize);
+    let cut = 4 * (DEPTH - u32::from(settings.depth).clamp(1, DEPTH));
+    let rows = addresses.chunks_exact(width).skip(shift.1 as usize);
+    for (row, out) in rows.zip(layer.chunks_exact_mut(columns)) {
+        let row = &row[shift.0 as usize..][..columns];
+        out.iter_mut().zip(row).for_each(|(out, &address)| *out = address >> cut);
+    }
+    Some(())
+}
