@@ -11,7 +11,7 @@ mod picture;
 pub mod shimmer;
 
 pub use paint::Paint;
-pub use picture::{Picture, PictureMoment};
+pub use picture::{Picture, PictureMoment, Subject};
 
 use crate::{
     frame::{FrameMut, Size, pack::Levels},

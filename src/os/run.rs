@@ -4,6 +4,7 @@ use super::{
     Failure,
     album::Album,
     args,
+    autumn::SeasonClock,
     config::Config,
     dimmer::Dimmer,
     evdev::Keyboards,
@@ -85,6 +86,7 @@ struct Running {
     loader: Loader,
     dimmer: Dimmer,
     show: Show,
+    season: SeasonClock,
     clock: Instant,
     interrupt: Interrupt,
     /// End after so many frames.
@@ -114,6 +116,7 @@ impl Running {
         if let Some(keyboards) = &mut keyboards {
             keyboards.set_keys(config.actions);
         }
+        let season = SeasonClock::new(config.plain_look().season, config.calendar, &config.night.zone)?;
         let dimmer = Dimmer::new(&config, panel.is_bare())?;
         let config = Arc::new(config);
         Ok(Self {
@@ -124,6 +127,7 @@ impl Running {
             album,
             dimmer,
             show,
+            season,
             clock: Instant::now(),
             interrupt: Interrupt::install()?,
             frames: args.frames,
@@ -173,6 +177,8 @@ impl Running {
         let Some(current) = self.current.as_mut().filter(|_| !self.dimmer.is_dark()) else {
             return Ok(false);
         };
+        let stage = self.season.stage(self.clock.elapsed());
+        current.picture.set_stage(stage);
         let leaving = self.leaving.as_mut().map(|leaving| &mut leaving.picture);
         let turned = self.show.turn_from(leaving, &mut current.picture, &current.name, &mut self.panel);
         if let Some(keyboards) = &mut self.keyboards {

@@ -3,6 +3,7 @@
 use super::{
     Failure,
     args::MaskChoice,
+    autumn,
     config::{Config, Look},
     once::once,
     photo,
@@ -10,7 +11,8 @@ use super::{
 use crate::{
     config::{EffectChoice, Life},
     effect::{
-        Photo, Picture,
+        Photo, Picture, Subject,
+        autumn::{Plates, Species, Tree},
         kaleidoscope::Reference,
         shimmer::automatic_mask::{HARDLY_ANYTHING_PER_MILLE, automatic_mask, moving_per_mille, scratch_len},
     },
@@ -25,7 +27,7 @@ use std::path::Path;
 pub enum Source<'a> {
     /// A file.
     File(&'a Path),
-    /// The one that the program carries.
+    /// The one that the program carries; for an autumn, no photo but a tree.
     Demo,
 }
 
@@ -41,6 +43,27 @@ pub struct Scene {
     mask: Vec<u8>,
     look: Look,
     reference: Option<photo::Photo>,
+    tree: Option<Grove>,
+}
+
+/// What an autumn is made of.
+#[derive(Debug)]
+struct Grove {
+    species: Box<Species>,
+    plates: Option<Box<Plates>>,
+    /// Whether it is the photo whose foliage turns.
+    in_photo: bool,
+}
+
+impl Grove {
+    fn load(look: &Look, in_photo: bool) -> Result<Self, Failure> {
+        let species = Box::new(autumn::species(&look.tree)?);
+        Ok(Self { species, plates: autumn::plates(&look.plates)?, in_photo })
+    }
+
+    fn tree(&self) -> Tree<'_> {
+        Tree { species: &self.species, plates: self.plates.as_deref() }
+    }
 }
 
 impl Scene {
@@ -72,21 +95,25 @@ impl Scene {
             Source::Demo => photo::from_bytes("the demo photo", DEMO, &options)?,
         };
         let (mask, reference) = match look.effect {
-            EffectChoice::Shimmer => (choose_mask(source, &photo, &look, &options.limits)?, None),
+            EffectChoice::Shimmer | EffectChoice::Autumn => {
+                (choose_mask(source, &photo, &look, &options.limits)?, None)
+            }
             // All of it moves.
             EffectChoice::Kaleidoscope => {
                 (vec![255; upright.pixels()], load_reference(other, &look, &options.limits)?)
             }
         };
+        let grove = || Grove::load(&look, matches!(source, Source::File(_)));
+        let tree = (look.effect == EffectChoice::Autumn).then(grove).transpose()?;
         let name =
             Path::new(&photo.name).file_name().map_or(photo.name.clone(), |n| n.to_string_lossy().into());
         if rotation == Rotation::None {
-            return Ok(Self { name, size, rgb: photo.rgb, mask, look, reference });
+            return Ok(Self { name, size, rgb: photo.rgb, mask, look, reference, tree });
         }
         let (mut rgb, mut turned_mask) = (vec![[0; 3]; size.pixels()], vec![0; size.pixels()]);
         rotate(rotation, photo.rgb.as_chunks::<3>().0, upright, &mut rgb);
         rotate(rotation, &mask, upright, &mut turned_mask);
-        Ok(Self { name, size, rgb: rgb.into_flattened(), mask: turned_mask, look, reference })
+        Ok(Self { name, size, rgb: rgb.into_flattened(), mask: turned_mask, look, reference, tree })
     }
 
     /// What people call the photo: the name of its file.
@@ -112,7 +139,15 @@ impl Scene {
         let own = Reference { size: self.size, rgb: &self.rgb };
         let reference =
             self.reference.as_ref().map_or(own, |other| Reference { size: other.size, rgb: &other.rgb });
-        Ok(Picture::prepare(effect, self.photo(), reference, life, storage)?)
+        let subject = match (effect, &self.tree) {
+            (EffectChoice::Autumn, Some(grove)) if grove.in_photo => {
+                Subject::Foliage(self.photo(), grove.tree())
+            }
+            (EffectChoice::Autumn, Some(grove)) => Subject::Tree(self.size, grove.tree()),
+            (EffectChoice::Kaleidoscope, _) => Subject::Kaleidoscope(self.photo(), reference),
+            (EffectChoice::Shimmer | EffectChoice::Autumn, _) => Subject::Shimmer(self.photo()),
+        };
+        Ok(Picture::prepare(subject, life, storage)?)
     }
 
     /// What an effect is prepared from.

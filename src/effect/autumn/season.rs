@@ -32,6 +32,8 @@ pub struct Stage(u16);
 
 impl Stage {
     const BITS: u32 = 12;
+    /// No leaf has turned.
+    pub const GREEN: Self = Self(0);
     /// All colours are there.
     pub const COLOURED: Self = Self(6 << Self::BITS);
     /// All leaves are gone.
@@ -41,6 +43,23 @@ impl Stage {
     pub fn new(stage: Factor) -> Self {
         let bits = stage.to_bits() >> (Factor::FRAC_NBITS - Self::BITS);
         Self(bits.clamp(0, Self::BARE.0.into()) as u16)
+    }
+
+    /// The stage at `share`, 0..=1, of the way from this one to `other`.
+    #[must_use]
+    pub fn towards(self, other: Self, share: Factor) -> Self {
+        let way = (i64::from(other.0) - i64::from(self.0)) * i64::from(share.to_bits());
+        Self((i64::from(self.0) + (way >> Factor::FRAC_NBITS)).clamp(0, Self::BARE.0.into()) as u16)
+    }
+}
+
+impl core::str::FromStr for Stage {
+    type Err = &'static str;
+
+    fn from_str(word: &str) -> Result<Self, Self::Err> {
+        let stage = word.parse::<Factor>().ok();
+        let stage = stage.filter(|stage| (Factor::ZERO..=Factor::from_num(7)).contains(stage));
+        stage.map(Self::new).ok_or("a stage is 0 (green) to 6 (all colours) or 7 (bare), like 3.5")
     }
 }
 
