@@ -38,6 +38,8 @@ mod species;
 mod storage;
 mod sunlight;
 mod sway;
+#[cfg(test)]
+mod tests;
 mod text;
 mod view;
 

@@ -95,7 +95,7 @@ impl<'a> Moment<'a> {
     }
 
     /// Where the pixels from (x, y) on are fetched from.
-    fn sources(&self, x: usize, y: usize, sources: &mut [u32]) {
+    pub(super) fn sources(&self, x: usize, y: usize, sources: &mut [u32]) {
         let (columns, _) = sway::grid(self.planes.size);
         let width = self.planes.size.width as i32;
         let (row, down) = (y / PITCH, (y % PITCH) as i32);

@@ -3,7 +3,7 @@
 use super::{
     lsystem::Rule,
     plates::STAGES,
-    space::{BITS, PlaneMap},
+    space::{AffineMap, BITS, Matrix, ONE, PlaneMap},
     text::{Cursor, Fault, Number, SpeciesError},
 };
 use heapless::Vec;
@@ -75,6 +75,17 @@ impl Species {
     pub fn known(name: &str) -> Option<Self> {
         let (_, text) = KNOWN.iter().find(|(known, _)| *known == name)?;
         Self::parse(text).ok()
+    }
+
+    /// A single leaf of this species, as large as the picture (the paper's fig. 8).
+    #[must_use]
+    pub fn one_leaf(&self) -> Self {
+        let matrix = Matrix::IDENTITY.scaled(ONE / 2);
+        let twig = AffineMap { matrix, shift: [0, ONE / 2, 0] };
+        let rule = Rule { boughs: [twig].into_iter().collect(), wood: Vec::new(), is_flat: true };
+        let (chances, droop) = ([1 << 16].into_iter().collect(), Number::ZERO);
+        let size = Number::lit("1.6");
+        Self { rule, depth: 1, chances, stray: Number::ZERO, leaves: 1, size, droop, ..self.clone() }
     }
 
     /// N^M, how many twigs have an address.

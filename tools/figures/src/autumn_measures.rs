@@ -23,7 +23,8 @@ impl Palette {
                 (0..3).for_each(|i| sum[i] += colour[i]);
                 *count += 1.;
             }
-            for (centre, (sum, count)) in palette.0.iter_mut().zip(sums).filter(|(_, (_, count))| *count > 0.) {
+            for (centre, (sum, count)) in palette.0.iter_mut().zip(sums).filter(|(_, (_, count))| *count > 0.)
+            {
                 *centre = sum.map(|channel| channel / count);
             }
         }
@@ -40,7 +41,8 @@ impl Palette {
     pub(crate) fn entropy(&self, colours: &[Colour]) -> f64 {
         let mut counts = vec![0_u32; self.0.len()];
         colours.iter().for_each(|colour| counts[self.nearest(&colour.map(f64::from))] += 1);
-        let shares = counts.iter().filter(|&&count| count > 0).map(|&count| f64::from(count) / colours.len() as f64);
+        let shares =
+            counts.iter().filter(|&&count| count > 0).map(|&count| f64::from(count) / colours.len() as f64);
         -shares.map(|share| share * share.ln()).sum::<f64>()
     }
 }
@@ -148,7 +150,8 @@ mod tests {
 
     #[test]
     fn entropy_is_that_of_the_colours() {
-        let colours: Vec<Colour> = (0..4_096).map(|i| [0, 60, 120, 180].map(|x| [x, 255 - x, 7])[i % 4]).collect();
+        let colours: Vec<Colour> =
+            (0..4_096).map(|i| [0, 60, 120, 180].map(|x| [x, 255 - x, 7])[i % 4]).collect();
         let palette = Palette::of(&colours);
         assert!((palette.entropy(&colours) - 4_f64.ln()).abs() < 1e-9);
         assert_eq!(palette.entropy(&colours[..1]), 0.);
