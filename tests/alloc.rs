@@ -13,11 +13,13 @@ use yurameki::{
     display::sim::{Buffering, Sim, memory_len},
     effect::{
         Photo,
+        autumn::{self, Autumn, Species, Stage, Tree},
         kaleidoscope::{self, Kaleidoscope, Mode, Reference},
         shimmer::{Range, Shimmer, storage_len},
     },
     frame::{Layout, PixelFormat, Size},
     input::action::Action,
+    math::Factor,
 };
 
 struct Counting;
@@ -144,4 +146,27 @@ fn a_kaleidoscope_is_prepared_and_shows_its_frames_without_the_heap() {
         });
         assert_eq!(shown, 0, "{name}: a running show takes the heap");
     }
+}
+
+#[test]
+fn an_autumn_goes_through_its_season_without_the_heap() {
+    let species = Species::known("maple").expect("a known species");
+    let tree = Tree { species: &species, plates: None };
+    let settings = autumn::Settings::default();
+    let mut storage = vec![0; autumn::storage_len(SIZE)];
+    let layout = Layout::new(SIZE, PixelFormat::Xrgb8888, None).expect("a good layout");
+    let mut memory = vec![0; memory_len(layout, Buffering::Double)];
+    let prepared = calls(|| Autumn::prepare(SIZE, tree, &settings, &mut storage[..]).map(drop));
+    assert_eq!(prepared, 0, "preparing takes the heap");
+
+    let mut autumn = Autumn::prepare(SIZE, tree, &settings, &mut storage[..]).expect("enough storage");
+    let mut lent = Sim::new(&mut memory[..], layout, Buffering::Double, 0).expect("enough memory");
+    let mut show = Show::new(Life::default().drive, 12, 1);
+    let shown = calls(|| {
+        for frame in 0..300 {
+            autumn.set_stage(Stage::new(Factor::from_num(frame) / 43));
+            assert_eq!(show.turn(&mut autumn, "maple", &mut lent), Ok(()));
+        }
+    });
+    assert_eq!(shown, 0, "a running autumn takes the heap");
 }

@@ -12,6 +12,6 @@ pub mod playlist;
 mod show;
 mod state;
 
-pub use picture::{Picture, PictureMoment};
+pub use picture::{Picture, PictureMoment, Subject};
 pub use show::Show;
 pub use state::{Outcome, Request, State};

@@ -4,6 +4,7 @@ use crate::{
     config::{EffectChoice, Life},
     effect::{
         Effect, Moment, Photo, StorageTooSmall,
+        autumn::{self, Autumn, Stage, Tree},
         kaleidoscope::{self, Kaleidoscope, Reference},
         shimmer::{self, Shimmer},
     },
@@ -23,6 +24,21 @@ pub enum Picture<S> {
     Shimmer(Shimmer<S>),
     /// See [`kaleidoscope`].
     Kaleidoscope(Kaleidoscope<S>),
+    /// See [`autumn`].
+    Autumn(Autumn<S>),
+}
+
+/// What a picture is made of.
+#[derive(Clone, Copy, Debug)]
+pub enum Subject<'a> {
+    /// A photo that shimmers.
+    Shimmer(Photo<'a>),
+    /// A photo in the colours of another.
+    Kaleidoscope(Photo<'a>, Reference<'a>),
+    /// A photo whose foliage goes through the season.
+    Foliage(Photo<'a>, Tree<'a>),
+    /// A tree of the program's own, in pictures of this size.
+    Tree(Size, Tree<'a>),
 }
 
 impl<S: AsMut<[u64]>> Picture<S> {
@@ -31,23 +47,29 @@ impl<S: AsMut<[u64]>> Picture<S> {
         match effect {
             EffectChoice::Shimmer => shimmer::storage_len(size),
             EffectChoice::Kaleidoscope => kaleidoscope::storage_len(size, &life.kaleidoscope),
+            EffectChoice::Autumn => autumn::storage_len(size),
         }
     }
 
-    /// Prepares `photo` in `storage`; `reference` gives a kaleidoscope its colours.
-    pub fn prepare(
-        effect: EffectChoice,
-        photo: Photo<'_>,
-        reference: Reference<'_>,
-        life: &Life,
-        storage: S,
-    ) -> Result<Self, StorageTooSmall> {
-        Ok(match effect {
-            EffectChoice::Shimmer => Self::Shimmer(Shimmer::prepare(photo, &life.shimmer, storage)?),
-            EffectChoice::Kaleidoscope => {
+    /// Prepares `subject` in `storage`.
+    pub fn prepare(subject: Subject<'_>, life: &Life, storage: S) -> Result<Self, StorageTooSmall> {
+        Ok(match subject {
+            Subject::Shimmer(photo) => Self::Shimmer(Shimmer::prepare(photo, &life.shimmer, storage)?),
+            Subject::Kaleidoscope(photo, reference) => {
                 Self::Kaleidoscope(Kaleidoscope::prepare(photo, reference, &life.kaleidoscope, storage)?)
             }
+            Subject::Foliage(photo, tree) => {
+                Self::Autumn(Autumn::prepare_photo(photo, tree, &life.autumn, storage)?)
+            }
+            Subject::Tree(size, tree) => Self::Autumn(Autumn::prepare(size, tree, &life.autumn, storage)?),
         })
+    }
+
+    /// From the next frame on, an autumn is at `stage` of its season; other effects know none.
+    pub fn set_stage(&mut self, stage: Stage) {
+        if let Self::Autumn(autumn) = self {
+            autumn.set_stage(stage);
+        }
     }
 
     /// Gives the memory back.
@@ -55,6 +77,7 @@ impl<S: AsMut<[u64]>> Picture<S> {
         match self {
             Self::Shimmer(shimmer) => shimmer.into_storage(),
             Self::Kaleidoscope(kaleidoscope) => kaleidoscope.into_storage(),
+            Self::Autumn(autumn) => autumn.into_storage(),
         }
     }
 }
@@ -69,6 +92,7 @@ impl<S: AsMut<[u64]>> Effect for Picture<S> {
         match self {
             Self::Shimmer(shimmer) => PictureMoment::Shimmer(shimmer.at(drive)),
             Self::Kaleidoscope(kaleidoscope) => PictureMoment::Kaleidoscope(kaleidoscope.at(drive)),
+            Self::Autumn(autumn) => PictureMoment::Autumn(autumn.at(drive)),
         }
     }
 }
@@ -80,6 +104,8 @@ pub enum PictureMoment<'a> {
     Shimmer(shimmer::Moment<'a>),
     /// Of a kaleidoscope.
     Kaleidoscope(kaleidoscope::Moment<'a>),
+    /// Of an autumn.
+    Autumn(autumn::Moment<'a>),
 }
 
 impl Moment for PictureMoment<'_> {
@@ -87,15 +113,18 @@ impl Moment for PictureMoment<'_> {
         match self {
             Self::Shimmer(moment) => moment.size(),
             Self::Kaleidoscope(moment) => moment.size(),
+            Self::Autumn(moment) => moment.size(),
         }
     }
 
     fn moving(&self, y: u32) -> impl Iterator<Item = Range<usize>> {
-        let (shimmer, kaleidoscope) = match self {
-            Self::Shimmer(moment) => (Some(moment.moving(y)), None),
-            Self::Kaleidoscope(moment) => (None, Some(moment.moving(y))),
+        let (shimmer, kaleidoscope, autumn) = match self {
+            Self::Shimmer(moment) => (Some(moment.moving(y)), None, None),
+            Self::Kaleidoscope(moment) => (None, Some(moment.moving(y)), None),
+            Self::Autumn(moment) => (None, None, Some(moment.moving(y))),
         };
-        shimmer.into_iter().flatten().chain(kaleidoscope.into_iter().flatten())
+        let autumn = autumn.into_iter().flatten();
+        shimmer.into_iter().flatten().chain(kaleidoscope.into_iter().flatten()).chain(autumn)
     }
 
     #[inline]
@@ -103,6 +132,7 @@ impl Moment for PictureMoment<'_> {
         match self {
             Self::Shimmer(moment) => moment.levels(x, y, levels),
             Self::Kaleidoscope(moment) => moment.levels(x, y, levels),
+            Self::Autumn(moment) => moment.levels(x, y, levels),
         }
     }
 }

@@ -4,10 +4,11 @@
 //! argument and no device.
 
 pub mod night;
+pub mod season;
 
 use crate::{
     effect::{
-        kaleidoscope,
+        autumn, kaleidoscope,
         shimmer::{self, Range},
     },
     noise::{Kind, drive},
@@ -28,6 +29,8 @@ pub struct Life {
     pub shimmer: shimmer::Settings,
     /// How a kaleidoscope looks.
     pub kaleidoscope: kaleidoscope::Settings,
+    /// How an autumn looks.
+    pub autumn: autumn::Settings,
 }
 
 impl Life {
@@ -38,6 +41,8 @@ impl Life {
         for frames in [&mut drive.period_frames, &mut drive.response_frames, &mut drive.glide_frames] {
             *frames = (*frames * frames_per_second).div_ceil(DEFAULT_FRAMES_PER_SECOND);
         }
+        let fall = &mut self.autumn.fall_frames;
+        *fall = (*fall * frames_per_second).div_ceil(DEFAULT_FRAMES_PER_SECOND);
         self
     }
 }
@@ -93,6 +98,8 @@ pub enum EffectChoice {
     Shimmer,
     /// [`crate::effect::kaleidoscope`].
     Kaleidoscope,
+    /// [`crate::effect::autumn`].
+    Autumn,
 }
 
-named!(EffectChoice, "effect", Shimmer = "shimmer", Kaleidoscope = "kaleidoscope");
+named!(EffectChoice, "effect", Shimmer = "shimmer", Kaleidoscope = "kaleidoscope", Autumn = "autumn");

@@ -4,6 +4,7 @@
 //! after that it renders any frame from a [`Drive`], cannot fail and allocates nothing. Knows sizes, strides and the drive;
 //! knows no device, file or clock.
 
+pub mod autumn;
 pub mod kaleidoscope;
 pub mod paint;
 pub mod shimmer;

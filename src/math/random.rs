@@ -22,10 +22,16 @@ pub enum Stream {
 /// The streams of neighbouring seeds are as unrelated as those of any two: the seed is spread by the finaliser of
 /// SplitMix64 before the stream's number is added, and `seed_from_u64` spreads the sum again.
 pub fn stream(seed: u64, stream: Stream) -> Rng {
-    let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    rand::SeedableRng::seed_from_u64(scatter(seed).wrapping_add(stream as u64))
+}
+
+/// A number as unrelated to those of neighbouring keys as any: a step of SplitMix64 (Steele, Lea and Flood, 2014). For chance that
+/// belongs to a thing, like a leaf, and must not depend on the order in which things are looked at.
+pub(crate) const fn scatter(key: u64) -> u64 {
+    let mut z = key.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    rand::SeedableRng::seed_from_u64((z ^ (z >> 31)).wrapping_add(stream as u64))
+    z ^ (z >> 31)
 }
 
 #[cfg(test)]

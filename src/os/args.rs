@@ -1,6 +1,7 @@
 //! The command line, as typed.
 
 use super::{
+    autumn::{PlatesChoice, TreeChoice},
     output::{FileFormat, FrameRate, Target},
     photo::Fit,
 };
@@ -8,6 +9,7 @@ use crate::{
     config::{self, EffectChoice, Preset},
     display::sim,
     effect::{
+        autumn::Stage,
         kaleidoscope::{self, fractal::Search},
         shimmer::{Branch, Light, Range},
     },
@@ -95,8 +97,9 @@ pub struct Run {
 /// Arguments of `render`.
 #[derive(Debug, clap::Args)]
 pub struct Render {
-    /// The photo.
-    pub photo: PathBuf,
+    /// The photo; an autumn may do without one.
+    #[arg(required_unless_present = "effect", required_if_eq_any([("effect", "shimmer"), ("effect", "kaleidoscope")]))]
+    pub photo: Option<PathBuf>,
     /// FILE.apng, .png, .gif, .webp or .y4m, a folder, or - for Y4M on standard output.
     #[arg(long, value_name = "FILE", required_unless_present = "hash", value_parser = target())]
     pub out: Option<Target>,
@@ -243,7 +246,7 @@ pub struct Look {
     /// The seed of the noises: the same seed, the same motion.
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// The effect: shimmer or kaleidoscope.
+    /// The effect: shimmer, kaleidoscope or autumn.
     #[arg(long)]
     pub effect: Option<EffectChoice>,
     /// The paper's set-up for poplar, rowan, river or waterfall; single options go before it.
@@ -291,6 +294,30 @@ pub struct Look {
     /// How many symbols the addresses of a kaleidoscope have, 1 to 3: with fewer, colours are means over larger parts.
     #[arg(long, value_name = "M", value_parser = clap::value_parser!(u8).range(1..=3))]
     pub depth: Option<u8>,
+    /// An autumn's tree: maple, ginkgo, birch, pine, paper, or a file that describes one.
+    #[arg(long, value_name = "NAME|FILE")]
+    pub tree: Option<TreeChoice>,
+    /// An autumn's colours: synthetic, or a folder of seven photos of leaves, from green to the last colour.
+    #[arg(long, value_name = "DIR|synthetic")]
+    pub plates: Option<PlatesChoice>,
+    /// An autumn that stands still, at a stage from 0 (green) to 6 (all colours) and 7 (bare).
+    #[arg(long, value_name = "S", conflicts_with_all = ["season", "season_minutes"])]
+    pub stage: Option<Stage>,
+    /// The stages that an autumn goes through; a film from its first frame to its last, a show within --season-minutes.
+    #[arg(long, value_name = "START..END", value_parser = stages)]
+    pub season: Option<(Stage, Stage)>,
+    /// In how many minutes a show goes through them, to begin again; without --season and this it follows the calendar.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_440))]
+    pub season_minutes: Option<u32>,
+    /// How likely a twig turns with its bough, 0 to 1; else it goes its own way.
+    #[arg(long, value_name = "P", value_parser = share)]
+    pub patchiness: Option<Factor>,
+    /// An autumn's sun, in whose shade leaves turn later: degrees clockwise from the top and above the picture, or none.
+    #[arg(long, value_name = "AZIMUTH,ELEVATION|none", value_parser = sun, allow_hyphen_values = true)]
+    pub sun: Option<Sun>,
+    /// Whether leaves fall: on or off.
+    #[arg(long, value_name = "on|off", value_parser = on_off)]
+    pub leaf_fall: Option<bool>,
     /// How a photo of another shape fills the panel: blurred, fill or plain.
     #[arg(long)]
     pub fit: Option<Fit>,
@@ -454,6 +481,32 @@ pub(super) fn light(word: &str) -> Result<Light, &'static str> {
     let azimuth: i16 = azimuth.trim().parse().map_err(|_| form)?;
     let elevation = elevation.trim().parse().ok().filter(|degrees| (5..=90).contains(degrees)).ok_or(form)?;
     Ok(Light { azimuth: Turns::from_degrees(azimuth.into()), elevation: Turns::from_degrees(elevation) })
+}
+
+fn stages(word: &str) -> Result<(Stage, Stage), &'static str> {
+    let (from, to) = word.split_once("..").ok_or("a season is START..END, like 0..6")?;
+    Ok((from.parse()?, to.parse()?))
+}
+
+/// A sun, or none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sun(pub Option<Light>);
+
+pub(super) fn sun(word: &str) -> Result<Sun, &'static str> {
+    if word == "none" { Ok(Sun(None)) } else { light(word).map(|light| Sun(Some(light))) }
+}
+
+pub(super) fn share(word: &str) -> Result<Factor, &'static str> {
+    let share = word.parse::<Factor>().ok().filter(|share| (Factor::ZERO..=Factor::ONE).contains(share));
+    share.ok_or("a number from 0 to 1 is needed")
+}
+
+pub(super) fn on_off(word: &str) -> Result<bool, &'static str> {
+    match word {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err("on or off is needed"),
+    }
 }
 
 pub(super) fn factor(word: &str) -> Result<Factor, &'static str> {

@@ -8,6 +8,7 @@
 use super::evdev::KeyCodes;
 use super::{
     args::{self, DisplayChoice, MaskChoice},
+    autumn::{PlatesChoice, Season, TreeChoice},
     board, config_file,
     document::{ConfigError, read_text},
     local_time::Trust,
@@ -15,7 +16,7 @@ use super::{
     sidecar,
 };
 use crate::{
-    config::{DEFAULT_FRAMES_PER_SECOND, EffectChoice, Life, Order, night::Night},
+    config::{DEFAULT_FRAMES_PER_SECOND, EffectChoice, Life, Order, night::Night, season::Calendar},
     frame::Rotation,
     input::key_map::KeyMap,
     math::Turns,
@@ -61,6 +62,8 @@ pub struct Config {
     pub night: Night,
     /// When the time of the day is known.
     pub clock: Trust,
+    /// When it is autumn.
+    pub calendar: Calendar,
     /// The most memory that the file of a photo and its decoding may take, in bytes.
     pub memory_ceiling_bytes: u64,
     /// What is logged.
@@ -74,6 +77,12 @@ pub struct Look {
     pub effect: EffectChoice,
     /// The photo whose colours a kaleidoscope takes; without a word, its neighbour in the show.
     pub reference: Option<PathBuf>,
+    /// The tree of an autumn.
+    pub tree: TreeChoice,
+    /// The colours of its leaves.
+    pub plates: PlatesChoice,
+    /// The stages that an autumn goes through; without a word, those of the calendar.
+    pub season: Season,
     /// How it lives, at [`DEFAULT_FRAMES_PER_SECOND`].
     pub life: Life,
     /// What of it moves; without a word the mask beside the photo says, else the automatic one.
@@ -91,6 +100,9 @@ impl Default for Look {
         Self {
             effect: EffectChoice::default(),
             reference: None,
+            tree: TreeChoice::default(),
+            plates: PlatesChoice::default(),
+            season: Season::default(),
             life: Life::default(),
             mask: None,
             fit: Fit::default(),
@@ -119,6 +131,7 @@ impl Default for Config {
             keys: KeyCodes::default(),
             night: Night::default(),
             clock: Trust::default(),
+            calendar: Calendar::default(),
             memory_ceiling_bytes: super::photo::Limits::default().bytes,
             log: LevelFilter::Info,
         }
@@ -203,7 +216,18 @@ impl args::Look {
         look.mask = self.mask.clone().or(look.mask.take());
         look.fit = self.fit.unwrap_or(look.fit);
         look.reference = self.reference.clone().or(look.reference.take());
-        let Life { drive, shimmer, kaleidoscope } = &mut look.life;
+        if let Some(tree) = &self.tree {
+            look.tree = tree.clone();
+        }
+        if let Some(plates) = &self.plates {
+            look.plates = plates.clone();
+        }
+        look.season.stages = self.stage.map(|stage| (stage, stage)).or(self.season).or(look.season.stages);
+        look.season.minutes = self.season_minutes.or(look.season.minutes);
+        let Life { drive, shimmer, kaleidoscope, autumn } = &mut look.life;
+        autumn.patchiness = self.patchiness.unwrap_or(autumn.patchiness);
+        autumn.sun = self.sun.map_or(autumn.sun, |sun| sun.0);
+        autumn.leaf_fall = self.leaf_fall.unwrap_or(autumn.leaf_fall);
         drive.amplitude = self.amplitude.unwrap_or(drive.amplitude);
         drive.frequency = self.frequency.unwrap_or(drive.frequency);
         drive.phase = self.phase.unwrap_or(drive.phase);

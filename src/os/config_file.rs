@@ -2,6 +2,7 @@
 
 use super::{
     args,
+    autumn::{PlatesChoice, TreeChoice},
     config::{Config, Look},
     document::{ConfigError, Document, number, text, whole, word, worded},
 };
@@ -59,6 +60,7 @@ pub(super) fn apply(path: &Path, text: &str, config: &mut Config) -> Result<Head
     document.read(("life", "seed"), &mut config.seed, whole(0..=u64::MAX));
     buttons(document, config);
     night(document, config);
+    season(document, config);
     let memory = &mut config.memory_ceiling_bytes;
     document.read(("memory", "ceiling"), memory, |value| Ok(u64::from(whole(16..=65_536_u32)(value)?) << 20));
     document.read(("log", "level"), &mut config.log, worded(level));
@@ -118,6 +120,22 @@ pub(super) fn life(document: &mut Document<'_>, section: &'static str, look: &mu
     document.read((section, "search"), &mut settings.search, word);
     document.read((section, "depth"), &mut settings.depth, whole(kaleidoscope::Settings::DEPTHS));
     document.read_some((section, "reference"), &mut look.reference, |value| path(value, folder));
+    document.read((section, "tree"), &mut look.tree, |value| {
+        Ok(match word(value)? {
+            TreeChoice::File(_) => TreeChoice::File(path(value, folder)?),
+            choice => choice,
+        })
+    });
+    document.read((section, "plates"), &mut look.plates, |value| {
+        Ok(match word(value)? {
+            PlatesChoice::Folder(_) => PlatesChoice::Folder(path(value, folder)?),
+            choice => choice,
+        })
+    });
+    let autumn = &mut look.life.autumn;
+    document.read((section, "patchiness"), &mut autumn.patchiness, number(args::share));
+    document.read((section, "sun"), &mut autumn.sun, |value| worded(args::sun)(value).map(|sun| sun.0));
+    document.read((section, "leaf-fall"), &mut autumn.leaf_fall, worded(args::on_off));
     document.read_some((section, "mask"), &mut look.mask, |value| {
         Ok(match word(value)? {
             args::MaskChoice::File(_) => args::MaskChoice::File(path(value, folder)?),
@@ -150,6 +168,16 @@ fn night(document: &mut Document<'_>, config: &mut Config) {
         .read_list(("night", "times"), |value| night.insert(word(value)?).map_err(|error| error.to_string()));
     document.read(("night", "zone"), &mut night.zone, word::<Zone>);
     document.read(("night", "clock"), &mut config.clock, word);
+}
+
+fn season(document: &mut Document<'_>, config: &mut Config) {
+    let calendar = &mut config.calendar;
+    document.read(("season", "hemisphere"), &mut calendar.hemisphere, word);
+    document.read(("season", "green"), &mut calendar.green, word);
+    document.read(("season", "turns"), &mut calendar.turns, word);
+    document.read(("season", "full"), &mut calendar.full, word);
+    document.read(("season", "bare"), &mut calendar.bare, word);
+    document.read_some(("season", "minutes"), &mut config.look.season.minutes, whole(1..=1_440));
 }
 
 /// A path, which starts from `folder` if it is not absolute.

@@ -89,6 +89,13 @@ impl LocalTime {
         self.minute_at(Timestamp::now()).filter(|_| self.set)
     }
 
+    /// The month and the day of the local date, both from 1, and the minute of the day; `None` while the clock is not known to be set.
+    pub fn date(&mut self) -> Option<(u8, u8, u16)> {
+        let minute = self.now()?;
+        let local: DateTime = self.zone.to_datetime(Timestamp::now());
+        Some((local.month() as u8, local.day() as u8, minute))
+    }
+
     /// The minute of the day at `time`; `None` before 2024.
     pub fn minute_at(&self, time: Timestamp) -> Option<u16> {
         let local: DateTime = self.zone.to_datetime(time);

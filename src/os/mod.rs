@@ -5,6 +5,7 @@
 
 mod album;
 pub mod args;
+pub mod autumn;
 pub mod backlight;
 pub mod board;
 mod caption;

@@ -40,7 +40,7 @@ fn stopped(args: &args::Render) -> &'static str {
 }
 
 pub(super) fn render(args: &args::Render) -> Result<(), Failure> {
-    film(args, Source::File(&args.photo))
+    film(args, args.photo.as_deref().map_or(Source::Demo, Source::File))
 }
 
 fn film(args: &args::Render, source: Source<'_>) -> Result<(), Failure> {
@@ -58,10 +58,11 @@ fn film(args: &args::Render, source: Source<'_>) -> Result<(), Failure> {
     let mut writer = args.out.as_ref().map(open).transpose()?;
     let mut hash = args.hash.then(FrameHash::new);
     let progress = Progress::new(args.frames, args.quiet);
-    for _ in 0..args.frames {
+    for done in 0..args.frames {
         if interrupt.requested() {
             return Err(Failure::new(stopped(args)));
         }
+        picture.set_stage(scene.look().season.of_film(done, args.frames));
         show.turn(&mut picture, scene.caption(), &mut panel)?;
         let Some(frame) = panel.shown() else { unreachable!("a frame was just presented") };
         if let Some(writer) = &mut writer {

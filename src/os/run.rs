@@ -4,6 +4,7 @@ use super::{
     Failure,
     album::Album,
     args,
+    autumn::SeasonClock,
     config::Config,
     dimmer::Dimmer,
     evdev::Keyboards,
@@ -100,6 +101,7 @@ struct Running {
     loader: Loader,
     dimmer: Dimmer,
     show: Show,
+    season: SeasonClock,
     clock: Instant,
     interrupt: Interrupt,
     reload: ReloadRequest,
@@ -134,6 +136,7 @@ impl Running {
         if let Some(keyboards) = &mut keyboards {
             keyboards.set_keys(config.actions);
         }
+        let season = SeasonClock::new(config.plain_look().season, config.calendar, &config.night.zone)?;
         let dimmer = Dimmer::new(&config, panel.is_bare())?;
         Ok(Self {
             loader: Loader::start()?,
@@ -146,6 +149,7 @@ impl Running {
             album,
             dimmer,
             show,
+            season,
             clock: Instant::now(),
             interrupt: Interrupt::install()?,
             reload: ReloadRequest::install()?,
@@ -215,6 +219,7 @@ impl Running {
         let Some(current) = self.current.as_mut().filter(|_| !self.dimmer.is_dark()) else {
             return self.say_why_nothing().map(|()| false);
         };
+        current.picture.set_stage(self.season.stage(self.clock.elapsed()));
         let leaving = self.leaving.as_mut().map(|leaving| &mut leaving.picture);
         self.show.turn_from(leaving, &mut current.picture, &current.caption, &mut self.panel)?;
         self.service.shown(Instant::now(), &current.caption, self.show.noises(), self.show.is_paused());

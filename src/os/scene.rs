@@ -3,16 +3,17 @@
 use super::{
     Failure,
     args::MaskChoice,
-    caption,
+    autumn, caption,
     config::{Config, Look},
     once::once,
     photo,
 };
 use crate::{
-    app::Picture,
+    app::{Picture, Subject},
     config::{EffectChoice, Life},
     effect::{
         Photo,
+        autumn::{Plates, Species, Tree},
         kaleidoscope::{Mode, Reference},
         shimmer::automatic_mask::{HARDLY_ANYTHING_PER_MILLE, automatic_mask, moving_per_mille, scratch_len},
     },
@@ -27,7 +28,7 @@ use std::path::Path;
 pub enum Source<'a> {
     /// A file.
     File(&'a Path),
-    /// The one that the program carries.
+    /// The one that the program carries; for an autumn, no photo but a tree.
     Demo,
 }
 
@@ -43,20 +44,21 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// The way after this one: the shimmer, then the kaleidoscope from its finest mode to the paper's.
+    /// The way after this one: the shimmer, the kaleidoscope from its finest mode to the paper's, then the autumn.
     pub(super) const fn next(self) -> Self {
         let (effect, mode) = match (self.effect, self.mode) {
             (EffectChoice::Shimmer, _) => (EffectChoice::Kaleidoscope, Mode::Watercolour),
             (EffectChoice::Kaleidoscope, Mode::Watercolour) => (EffectChoice::Kaleidoscope, Mode::Tonal),
             (EffectChoice::Kaleidoscope, Mode::Tonal) => (EffectChoice::Kaleidoscope, Mode::Literal),
-            (EffectChoice::Kaleidoscope, Mode::Literal) => (EffectChoice::Shimmer, self.mode),
+            (EffectChoice::Kaleidoscope, Mode::Literal) => (EffectChoice::Autumn, self.mode),
+            (EffectChoice::Autumn, _) => (EffectChoice::Shimmer, self.mode),
         };
         Self { effect, mode }
     }
 
     /// Whether a picture that lives in this way looks as one that lives in the `other`.
     pub(super) fn looks_as(self, other: Self) -> bool {
-        self.effect == other.effect && (self.effect == EffectChoice::Shimmer || self.mode == other.mode)
+        self.effect == other.effect && (self.effect != EffectChoice::Kaleidoscope || self.mode == other.mode)
     }
 }
 
@@ -69,6 +71,27 @@ pub struct Scene {
     mask: Vec<u8>,
     look: Look,
     reference: Option<photo::Photo>,
+    tree: Option<Grove>,
+}
+
+/// What an autumn is made of.
+#[derive(Debug)]
+struct Grove {
+    species: Box<Species>,
+    plates: Option<Box<Plates>>,
+    /// Whether it is the photo whose foliage turns.
+    in_photo: bool,
+}
+
+impl Grove {
+    fn load(look: &Look, in_photo: bool) -> Result<Self, Failure> {
+        let species = Box::new(autumn::species(&look.tree)?);
+        Ok(Self { species, plates: autumn::plates(&look.plates)?, in_photo })
+    }
+
+    fn tree(&self) -> Tree<'_> {
+        Tree { species: &self.species, plates: self.plates.as_deref() }
+    }
 }
 
 impl Scene {
@@ -105,7 +128,9 @@ impl Scene {
             Source::Demo => photo::from_bytes("the demo photo", DEMO, &options)?,
         };
         let (mask, reference) = match look.effect {
-            EffectChoice::Shimmer => (choose_mask(source, &photo, &look, &options.limits)?, None),
+            EffectChoice::Shimmer | EffectChoice::Autumn => {
+                (choose_mask(source, &photo, &look, &options.limits)?, None)
+            }
             // All of it moves.
             EffectChoice::Kaleidoscope => {
                 (vec![255; upright.pixels()], load_reference(other, &look, &options.limits)?)
@@ -115,13 +140,15 @@ impl Scene {
             Source::File(path) => caption::of_file(path),
             Source::Demo => "\"Forest\" by Moritz Reisinger\nCC BY-SA 3.0".into(),
         };
+        let grove = || Grove::load(&look, matches!(source, Source::File(_)));
+        let tree = (look.effect == EffectChoice::Autumn).then(grove).transpose()?;
         if rotation == Rotation::None {
-            return Ok(Self { caption, size, rgb: photo.rgb, mask, look, reference });
+            return Ok(Self { caption, size, rgb: photo.rgb, mask, look, reference, tree });
         }
         let (mut rgb, mut turned_mask) = (vec![[0; 3]; size.pixels()], vec![0; size.pixels()]);
         rotate(rotation, photo.rgb.as_chunks::<3>().0, upright, &mut rgb);
         rotate(rotation, &mask, upright, &mut turned_mask);
-        Ok(Self { caption, size, rgb: rgb.into_flattened(), mask: turned_mask, look, reference })
+        Ok(Self { caption, size, rgb: rgb.into_flattened(), mask: turned_mask, look, reference, tree })
     }
 
     /// What the information on the picture says of the photo: a line or two.
@@ -152,7 +179,15 @@ impl Scene {
         let own = Reference { size: self.size, rgb: &self.rgb };
         let reference =
             self.reference.as_ref().map_or(own, |other| Reference { size: other.size, rgb: &other.rgb });
-        Ok(Picture::prepare(effect, self.photo(), reference, life, storage)?)
+        let subject = match (effect, &self.tree) {
+            (EffectChoice::Autumn, Some(grove)) if grove.in_photo => {
+                Subject::Foliage(self.photo(), grove.tree())
+            }
+            (EffectChoice::Autumn, Some(grove)) => Subject::Tree(self.size, grove.tree()),
+            (EffectChoice::Kaleidoscope, _) => Subject::Kaleidoscope(self.photo(), reference),
+            (EffectChoice::Shimmer | EffectChoice::Autumn, _) => Subject::Shimmer(self.photo()),
+        };
+        Ok(Picture::prepare(subject, life, storage)?)
     }
 
     /// What an effect is prepared from.

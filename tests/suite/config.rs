@@ -59,6 +59,11 @@ relief = 2
 strength = 0.25
 wind = -90
 mask = "leaves.png"
+tree = "birch"
+plates = "leaves"
+patchiness = 0.5
+sun = "none"
+leaf-fall = "off"
 seed = 18446744073709551615
 [buttons]
 right = "previous"
@@ -70,6 +75,13 @@ KEY_PLAYPAUSE = "space"
 times = ["23:00 off", "07:00 100%", "21:30 40%"]
 zone = "Asia/Tokyo"
 clock = "as-it-is"
+[season]
+hemisphere = "south"
+green = "05-01"
+turns = "09-20"
+full = "10-30"
+bare = "11-30"
+minutes = 7
 [memory]
 ceiling = 64
 [log]

@@ -8,7 +8,7 @@ use yurameki::{
     config::Life,
     display::sim::Buffering,
     effect::{
-        kaleidoscope,
+        autumn, kaleidoscope,
         shimmer::{self, Branch, Light, Range},
     },
     frame::{Layout, PixelFormat, Size},
@@ -85,6 +85,7 @@ fn life(range: Range) -> Life {
             wind: Turns::from_degrees(75),
         },
         kaleidoscope: kaleidoscope::Settings::default(),
+        autumn: autumn::Settings::default(),
     }
 }
 

@@ -10,9 +10,12 @@
 //! | `spectra` | the spectra that section 3.1 defines the noises by |
 //! | `clips` | the films of section 4.3 (Fig. 6) |
 //! | `rating` | Tables 1 and 2 |
+//! | `autumn-figures` | Fig. 5, 6, 8, 11, 13 to 17 of Mochizuki, Horie and Cai (see `effect::autumn`) |
 //! | `no-repeat` | – (that no noise repeats itself) |
 //! | `kaleidoscope` | – (coder, likeness, motion and cost of the other effect, see `effect::kaleidoscope`) |
 
+mod autumn;
+mod autumn_measures;
 mod clips;
 mod drawing;
 mod film;
@@ -59,6 +62,8 @@ enum Command {
     /// Write rating sheets for the clips, and sum up filled ones.
     #[command(subcommand)]
     Rating(rating::Command),
+    /// Draw Fig. 5, 6, 8, 11 and 13 to 17 of the paper on autumn colours, and print its measures with what must hold of them.
+    AutumnFigures(autumn::Args),
     /// Check that a noise never repeats 256 frames within 2^N.
     NoRepeat(no_repeat::Args),
     /// Measure the kaleidoscope: its coder, its pictures, their motion and what they cost.
@@ -90,6 +95,7 @@ fn main() -> ExitCode {
         Command::Spectra(args) => spectra::draw(&args),
         Command::Clips(args) => clips::make(&args),
         Command::Rating(command) => rating::execute(&command),
+        Command::AutumnFigures(args) => autumn::draw_figures(&args),
         Command::NoRepeat(args) => no_repeat::check(&args),
         Command::Kaleidoscope(args) => kaleidoscope::measure(&args),
     };

@@ -1,0 +1,104 @@
+//! The foliage of a photo in place of a tree: the owner's own goes through the season by the same colour stealing.
+//!
+//! A photo has no words of symbols, so that its foliage is given some: the cells of a quadtree over the picture, bent by noise and
+//! with the symbols of every cell shuffled, so that neither squares nor an order of the quarters can be seen. Six symbols make a
+//! twig, two more a leaf. The light on a leaf is that of the photo.
+
+use super::{noise::fbm, species::Species, storage::Texel, view::TREE_DEPTHS};
+use crate::{effect::Photo, math::random::scatter};
+
+/// Levels of the quadtree for a twig, and for the leaf within it.
+const TWIG_LEVELS: u32 = 6;
+const LEAF_LEVELS: u32 = 2;
+
+/// The luma of a green leaf in full light: the mean of the green plate.
+const GREEN_LUMA: u32 = 140;
+
+/// Greener than this, by 2g − r − b, is foliage for sure; what is less green by 24 is none.
+const GREEN: i32 = 28;
+
+/// Fills the texels from the photo's foliage: what its mask holds and is green.
+pub(super) fn fill(texels: &mut [Texel], photo: Photo<'_>, species: &Species, seed: u64) {
+    let (width, height) = (photo.size.width as usize, photo.size.height);
+    let colours = photo.rgb.as_chunks::<3>().0;
+    for (at, ((texel, &colour), &mask)) in texels.iter_mut().zip(colours).zip(photo.mask).enumerate() {
+        let cover = (u32::from(mask) * greenness(colour) / 255) as u8;
+        *texel = Texel::default();
+        if cover > 0 {
+            let cell = cell((at % width) as u32, (at / width) as u32, height, seed);
+            let twig = (cell >> (2 * LEAF_LEVELS)) as usize * species.twigs() >> (2 * TWIG_LEVELS);
+            texel.address = (twig as u16) << 4 | (cell & 15) as u16;
+            texel.depth = *TREE_DEPTHS.start();
+            texel.cover = cover;
+            texel.shade = (luma(colour) * 128 / GREEN_LUMA).min(255) as u8;
+        }
+    }
+}
+
+fn luma([r, g, b]: [u8; 3]) -> u32 {
+    (u32::from(r) * 54 + u32::from(g) * 183 + u32::from(b) * 19) >> 8
+}
+
+/// How green a pixel is, 0..=255: the excess green of vegetation indices (Woebbecke et al., 1995), with a soft edge. Dark leaves are
+/// as green as bright ones.
+fn greenness(colour: [u8; 3]) -> u32 {
+    let [r, g, b] = colour.map(i32::from);
+    // Turquoise water has as much blue as green.
+    let excess = (2 * g - r - b).min(2 * (g - b)) * 110 / (luma(colour) as i32 + 40);
+    ((excess - GREEN + 24) * 255 / 24).clamp(0, 255) as u32
+}
+
+/// The symbols of the quadtree's cell at a pixel, those of the leaf last.
+fn cell(x: u32, y: u32, height: u32, seed: u64) -> u32 {
+    let levels = TWIG_LEVELS + LEAF_LEVELS;
+    // The picture's height is a side of the tree; what is to its right begins again. In steps of 2^-16 of it.
+    let place = |at: u32| ((u64::from(at) << 16) / u64::from(height)) as i32;
+    let (x, y) = (place(x), place(y));
+    let bent = |at: i32, seed| {
+        // An eighth of the height in waves of a sixth; a hundredth in waves of a fortieth and finer, so that edges are ragged like leaves.
+        let coarse = fbm(x * 6, y * 6, 3, seed) / 4;
+        let fine = fbm(x * 40, y * 40, 4, seed ^ 9) / 24;
+        (at + coarse + fine) as u32 & 0xffff
+    };
+    let (x, y) = (bent(x, seed ^ 21), bent(y, seed ^ 22));
+    (0..levels).fold(0, |cell, level| {
+        let bit = 15 - level;
+        let quarter = (x >> bit & 1) | (y >> bit & 1) << 1;
+        // One of the four rotations of the symbols, with or without exchange of two, by chance.
+        let chance = scatter(seed ^ u64::from(cell) << 8 ^ u64::from(level)) as u32;
+        cell << 2 | ((quarter + chance) & 3 ^ (chance >> 2 & 1))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn leaves_are_green_and_sky_bark_and_stone_are_not() {
+        for green in [[80, 120, 50], [30, 48, 20], [150, 180, 90], [60, 90, 50]] {
+            assert!(greenness(green) > 200, "{green:?}: {}", greenness(green));
+        }
+        for other in
+            [[120, 160, 220], [240, 240, 240], [110, 90, 70], [128, 128, 128], [0, 0, 0], [180, 40, 30]]
+        {
+            assert_eq!(greenness(other), 0, "{other:?}");
+        }
+    }
+
+    #[test]
+    fn neighbours_share_leading_symbols_and_all_symbols_are_used() {
+        let mut seen = [0_u32; 4];
+        let (mut same, mut all) = (0, 0);
+        for y in (0..480).step_by(7) {
+            for x in (0..640).step_by(7) {
+                let (here, beside) = (cell(x, y, 480, 1), cell(x + 2, y, 480, 1));
+                same += u32::from(here >> 12 == beside >> 12);
+                all += 1;
+                seen[(here >> 14) as usize] += 1;
+            }
+        }
+        assert!(same * 100 > all * 85, "{same} of {all} neighbours are in one bough");
+        assert!(seen.iter().all(|&count| count * 10 > all), "{seen:?}");
+    }
+}

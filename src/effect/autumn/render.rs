@@ -1,0 +1,226 @@
+//! The frame kernel: one gather a pixel.
+
+use super::{
+    Autumn,
+    airborne::{MOST, Sprite},
+    plates::{CELLS, Light, STAGES},
+    season::Now,
+    species::MOST_TWIGS,
+    storage::{Planes, State, Texel},
+    sway::{self, OFFSET_BITS, PITCH},
+};
+use crate::{
+    effect::{self, RUN},
+    frame::{Size, pack::Levels, srgb},
+    math::{Factor, Turns, random::scatter},
+    noise::drive::Drive,
+};
+use core::ops::Range;
+use heapless::Vec;
+
+/// An autumn at one moment.
+#[derive(Debug)]
+pub struct Moment<'a> {
+    planes: Planes<'a>,
+    bark: [u8; 3],
+    /// Whether what is behind the leaves moves with them.
+    is_photo: bool,
+    sprites: Vec<Sprite, MOST>,
+    /// What can differ from frame to frame: columns and rows.
+    moving: [Range<usize>; 2],
+}
+
+/// Fills the colour of every address, for the season of `now`: the plates of two neighbouring stages, blended in linear light.
+///
+/// Leaves of a photo come over it within their first two stages.
+pub(super) fn colour(planes: &mut Planes<'_>, now: Now, twigs: usize, is_photo: bool) {
+    for (twig, calendar) in planes.calendars[..twigs].iter().enumerate() {
+        let stage = now.stage(calendar);
+        let (below, share) = ((stage >> 8) as usize, stage & 0xff);
+        let above = (below + 1).min(STAGES - 1);
+        // The sub-tile of the plate is that of the finest tree symbols.
+        let tile = twig % (CELLS / 16) * 16;
+        let tile = |plate: usize| &planes.plates[plate * CELLS + tile..][..16];
+        let colours = &mut planes.colours[twig * 16..][..16];
+        for ((colour, from), to) in colours.iter_mut().zip(tile(below)).zip(tile(above)) {
+            *colour = mixed(*from, *to, share);
+        }
+        let there = if is_photo { (stage / 2).min(255) as u8 } else { now.leaves(calendar) };
+        planes.states[twig].there = there;
+        planes.states[twig + MOST_TWIGS].there = 255 - there;
+    }
+}
+
+fn mixed(from: Light, to: Light, share: u32) -> u32 {
+    let [red, green, blue] = core::array::from_fn(|i| {
+        let light = (u32::from(from[i]) * (256 - share) + u32::from(to[i]) * share) >> 8;
+        u32::from(srgb::to_srgb(light as u16))
+    });
+    red | green << 8 | blue << 16
+}
+
+/// How much the leaves of a twig brighten and darken at most while they flutter, of 128.
+const FLUTTER: i64 = 18;
+
+/// Sets how bright each twig's leaves are: they turn in the wind, each with a phase of its own.
+pub(super) fn flutter(states: &mut [State], twigs: usize, drive: Drive) {
+    let strength = i64::from((drive.amplitude * drive.onset).to_bits()) * FLUTTER;
+    let twice = Turns(drive.phase.0.wrapping_mul(2));
+    for (twig, state) in states[..twigs].iter_mut().enumerate() {
+        let phase = Turns((scatter(twig as u64) >> 32) as u32);
+        let swing = i64::from(twice.plus(phase).sin().to_bits() >> 12);
+        state.gain = (128 + ((strength * swing) >> (2 * Factor::FRAC_NBITS - 12))) as u8;
+    }
+}
+
+/// A run of pixels on the way from addresses to levels.
+struct Run {
+    leaf: [[u16; RUN]; 3],
+    /// How much of a pixel the leaf covers, of 256.
+    cover: [u16; RUN],
+    /// How bright the leaf is, 128 being usual.
+    gain: [u16; RUN],
+    bark: [u16; RUN],
+    wood: [u16; RUN],
+}
+
+impl<'a> Moment<'a> {
+    pub(super) fn new<S: AsMut<[u64]>>(autumn: &'a mut Autumn<S>, sprites: Vec<Sprite, MOST>) -> Self {
+        let (size, bark, is_photo) = (autumn.size, autumn.bark, autumn.is_photo);
+        let moving = autumn.moving.clone();
+        let Ok(planes) = Planes::carve(size, autumn.storage.as_mut()) else {
+            unreachable!("the storage was long enough when the tree was prepared")
+        };
+        Self { planes, bark, is_photo, sprites, moving }
+    }
+
+    /// Where the pixels from (x, y) on are fetched from.
+    pub(super) fn sources(&self, x: usize, y: usize, sources: &mut [u32]) {
+        let (columns, _) = sway::grid(self.planes.size);
+        let width = self.planes.size.width as i32;
+        let (row, down) = (y / PITCH, (y % PITCH) as i32);
+        let node = |column: usize, axis: usize| {
+            let at = |row: usize| i32::from(self.planes.nodes[row * columns + column].offset[axis]);
+            at(row) * PITCH as i32 + (at(row + 1) - at(row)) * down
+        };
+        let mut done = 0;
+        while done < sources.len() {
+            let column = (x + done) / PITCH;
+            let right = (x + done) % PITCH;
+            let count = (PITCH - right).min(sources.len() - done);
+            let from = [0, 1].map(|axis| node(column, axis));
+            let slope = [0, 1].map(|axis| (node(column + 1, axis) - from[axis]) / PITCH as i32);
+            const ONE: u32 = OFFSET_BITS + PITCH.trailing_zeros();
+            let half = 1 << (ONE - 1);
+            let mut at = [0, 1].map(|axis| from[axis] + slope[axis] * right as i32 + half);
+            let start = (y as i32) * width + (x + done) as i32;
+            for (i, source) in sources[done..done + count].iter_mut().enumerate() {
+                *source = (start + i as i32 + (at[0] >> ONE) + (at[1] >> ONE) * width) as u32;
+                at = [at[0] + slope[0], at[1] + slope[1]];
+            }
+            done += count;
+        }
+    }
+
+    /// Fetches what the run shows.
+    fn fetch(&self, sources: &[u32], run: &mut Run) {
+        let (texels, colours, states) = (&*self.planes.texels, &*self.planes.colours, &*self.planes.states);
+        let last = texels.len() - 1;
+        for (i, &source) in sources.iter().enumerate() {
+            let texel: Texel = texels[(source as usize).min(last)];
+            let state = states[usize::from(texel.depth) % (2 * MOST_TWIGS)];
+            let colour = colours[usize::from(texel.address)];
+            for (channel, plane) in run.leaf.iter_mut().enumerate() {
+                plane[i] = (colour >> (8 * channel) & 0xff) as u16;
+            }
+            run.cover[i] =
+                ((u16::from(texel.cover) * u16::from(state.there)) >> 8) + u16::from(texel.cover >> 7);
+            run.gain[i] = (u16::from(texel.shade) * u16::from(state.gain)) >> 7;
+            run.bark[i] = texel.bark.into();
+            run.wood[i] = u16::from(texel.wood) + u16::from(texel.wood >> 7);
+        }
+    }
+
+    /// Paints the leaves in the air over the run.
+    fn sprites(&self, x: usize, y: u32, levels: &mut Levels<'_>) {
+        let (x, y, length) = (x as i32, y as i32, levels.red.len() as i32);
+        let touches = |sprite: &&Sprite| {
+            (sprite.rows.0..sprite.rows.1).contains(&y)
+                && sprite.columns.0 < x + length
+                && sprite.columns.1 > x
+        };
+        for sprite in self.sprites.iter().filter(touches) {
+            for column in sprite.columns.0.max(x)..sprite.columns.1.min(x + length) {
+                let cell = sprite.lens.cell(self.planes.stencil, column, y);
+                if cell.cover == 0 {
+                    continue;
+                }
+                let colour = self.planes.colours[usize::from(sprite.twig) << 4 | usize::from(cell.address)];
+                let cover = i32::from(cell.cover) + i32::from(cell.cover >> 7);
+                for (channel, plane) in levels.planes().into_iter().enumerate() {
+                    let level = &mut plane[(column - x) as usize];
+                    let leaf =
+                        (((colour >> (8 * channel) & 0xff) * u32::from(sprite.gain)) >> 3).min(4_080) as i32;
+                    *level = (i32::from(*level) + (((leaf - i32::from(*level)) * cover) >> 8)) as u16;
+                }
+            }
+        }
+    }
+}
+
+impl effect::Moment for Moment<'_> {
+    fn size(&self) -> Size {
+        self.planes.size
+    }
+
+    fn moving(&self, y: u32) -> impl Iterator<Item = Range<usize>> {
+        let [columns, rows] = &self.moving;
+        rows.contains(&(y as usize)).then(|| columns.clone()).into_iter()
+    }
+
+    fn levels(&self, x: usize, y: u32, levels: &mut Levels<'_>) {
+        let count = levels.red.len();
+        let start = y as usize * self.planes.size.width as usize + x;
+        let behind = &self.planes.background[start..start + count];
+        let span = self.planes.spans[y as usize];
+        if x + count <= usize::from(span.start) || x >= usize::from(span.end) {
+            for (channel, plane) in levels.planes().into_iter().enumerate() {
+                plane
+                    .iter_mut()
+                    .zip(behind)
+                    .for_each(|(level, pixel)| *level = u16::from(pixel[channel]) << 4);
+            }
+        } else {
+            let mut sources = [0; RUN];
+            self.sources(x, y as usize, &mut sources[..count]);
+            let mut run =
+                Run { leaf: [[0; RUN]; 3], cover: [0; RUN], gain: [0; RUN], bark: [0; RUN], wood: [0; RUN] };
+            self.fetch(&sources[..count], &mut run);
+            for (channel, plane) in levels.planes().into_iter().enumerate() {
+                let bark = u16::from(self.bark[channel]);
+                if self.is_photo {
+                    for (i, (level, &source)) in plane.iter_mut().zip(&sources).enumerate() {
+                        let pixel =
+                            self.planes.background[(source as usize).min(self.planes.background.len() - 1)];
+                        *level = layered(pixel[channel], bark, run.leaf[channel][i], &run, i);
+                    }
+                    continue;
+                }
+                for (i, (level, pixel)) in plane.iter_mut().zip(behind).enumerate() {
+                    *level = layered(pixel[channel], bark, run.leaf[channel][i], &run, i);
+                }
+            }
+        }
+        self.sprites(x, y, levels);
+    }
+}
+
+/// Leaf over wood over background.
+#[inline(always)]
+fn layered(behind: u8, bark: u16, leaf: u16, run: &Run, i: usize) -> u16 {
+    let behind = i32::from(behind) << 4;
+    let wood = i32::from(((u32::from(bark) * u32::from(run.bark[i])) >> 4) as u16).min(4_080);
+    let leaf = ((i32::from(leaf) * i32::from(run.gain[i])) >> 3).min(4_080);
+    let behind = behind + (((wood - behind) * i32::from(run.wood[i])) >> 8);
+    (behind + (((leaf - behind) * i32::from(run.cover[i])) >> 8)) as u16
+}
