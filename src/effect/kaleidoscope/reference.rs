@@ -25,7 +25,7 @@ fn waves(size: Size, speed: u32) -> Vec<u8> {
     let pixel = |i: u32| {
         let (x, y) = (i % size.width, i / size.width);
         let wave =
-            |a: u32, b: u32| 128 + (Turns((x * a + y * b) * speed << 22).sin() * 7).to_num::<i32>() * 18;
+            |a: u32, b: u32| 128 + (Turns(((x * a + y * b) * speed) << 22).sin() * 7).to_num::<i32>() * 18;
         [wave(3, 1) as u8, wave(1, 4) as u8, wave(2, 2) as u8]
     };
     (0..size.pixels() as u32).flat_map(pixel).collect()

@@ -159,7 +159,7 @@ impl<'a> Checked<'a> {
                 bits.tree(x as u16, y as u16, LARGEST as u8, plane, &mut leaf)?;
             }
         }
-        bits.is_at_end().then_some(())
+        bits.ends().then_some(())
     }
 }
 
@@ -257,7 +257,7 @@ impl Reader<'_> {
     }
 
     /// Nothing but zeros to fill up the last byte.
-    fn is_at_end(mut self) -> bool {
+    fn ends(&mut self) -> bool {
         let rest = self.bytes.len() * 8 - self.at;
         rest < 8 && self.take(rest as u32) == Some(0)
     }

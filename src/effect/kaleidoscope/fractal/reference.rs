@@ -34,7 +34,7 @@ fn scene(size: Size) -> Vec<u8> {
     fill_plane(size, (0, 0), &mut levels, |i| {
         let (x, y) = (i as u32 % size.width, i as u32 / size.width);
         let disc = (i64::from(x) - 40).pow(2) + (i64::from(y) - 30).pow(2) < 500;
-        let texture = if y > size.height / 2 { (x * 7919 ^ y * 104_729) >> 3 & 31 } else { 0 };
+        let texture = if y > size.height / 2 { (((x * 7919) ^ (y * 104_729)) >> 3) & 31 } else { 0 };
         (x / 2 + y + texture + if disc { 90 } else { 0 }).min(255) as u8
     });
     levels
