@@ -222,7 +222,8 @@ impl Running {
         current.picture.set_stage(self.season.stage(self.clock.elapsed()));
         let leaving = self.leaving.as_mut().map(|leaving| &mut leaving.picture);
         self.show.turn_from(leaving, &mut current.picture, &current.caption, &mut self.panel)?;
-        self.service.shown(Instant::now(), &current.caption, self.show.noises(), self.show.is_paused());
+        let name = current.caption.lines().next().unwrap_or_default();
+        self.service.shown(Instant::now(), name, self.show.noises(), self.show.is_paused());
         self.dimmer.shown();
         if !self.show.is_fading()
             && let Some(leaving) = self.leaving.take()

@@ -105,7 +105,7 @@ impl Leaf {
         let lens = Lens::new(Pose {
             x: self.x,
             y: self.y,
-            half: ((size.height as i32) << 8) / 84,
+            half: ((size.height as i32) << 8) / 110,
             turn: spin(60_000_000, 0),
             fold: spin(20_000_000, 8),
             width: (over.abs().to_bits() >> (Factor::FRAC_NBITS - 8)).max(40),

@@ -212,8 +212,8 @@ impl Bark {
         let rough = i64::from(fbm(around as i32, (up / 2) as i32, 4, self.seed));
         let mut level = ((58 + lit * 3 / 4) * ((1 << 15) + rough).max(1 << 13)) >> 15;
         if self.marks {
-            let mark = fbm((around / 8) as i32, (up / 2) as i32, 2, self.seed ^ 1);
-            level = if mark > 9_000 { level / 4 } else { level * 5 / 4 + 20 };
+            let mark = fbm((around / 10) as i32, up as i32, 2, self.seed ^ 1);
+            level = if mark > 11_000 { level / 4 } else { level * 5 / 4 + 20 };
         }
         level.clamp(1, 255) as u8
     }
@@ -324,15 +324,23 @@ pub(super) fn strew(canvas: &mut Canvas<'_>, species: &Species, view: &View, ste
     for leaf in 0..count {
         let twig = leaf * twigs / count;
         let key = scatter(seed ^ 0x9_0000_0000 ^ leaf as u64);
-        // How far to the front, 0..=1 of 2^16: nothing lies beyond the horizon, and the most lie near the trunk.
-        let bell = |bits: u64| i64::from(sway_of(bits, 1 << 15)) + i64::from(sway_of(scatter(bits), 1 << 15));
-        let (front, aside) = (bell(key), bell(key >> 16));
-        let depth = i64::from(height) << SPOT_BITS;
-        let horizon = depth * (i64::from(HORIZON) * 2 + 3) / 512;
-        let y = (i64::from(root_y) + ((depth * front * 9 / 100) >> 16) + depth / 50).max(horizon);
-        let x = i64::from(root_x) + (i64::from(width) << SPOT_BITS) * aside * 34 / 100 / (1 << 16);
+        // Around the trunk, by a bell of either coordinate, −1..=1 of 2^16; what is behind lies closer together in the picture.
+        let bell = |bits: u64| {
+            let draws = (0..3).scan(bits, |bits, _| {
+                *bits = scatter(*bits);
+                Some(i64::from(sway_of(*bits, 1 << 16)))
+            });
+            draws.sum::<i64>() / 2
+        };
+        let (front, aside) = (bell(key), bell(!key));
+        let foot = i64::from(root_y) + (i64::from(height) << SPOT_BITS) / 80;
+        let horizon = (i64::from(height) << SPOT_BITS) * i64::from(HORIZON + 1) / 256;
+        let reach =
+            if front < 0 { foot - horizon } else { ((i64::from(height) << SPOT_BITS) - foot) * 5 / 4 };
+        let y = (foot + ((front * reach) >> 16)).max(horizon);
+        let x = i64::from(root_x) + (i64::from(width) << SPOT_BITS) * aside * 26 / 100 / (1 << 16);
         // What is nearer is larger.
-        let near = (256 + front * 110 / (1 << 16)) as i32;
+        let near = (256 + front.clamp(-(1 << 16), 1 << 16) * 110 / (1 << 16)) as i32;
         let leaf_size = ((height << SPOT_BITS) / 120 * near) >> 8;
         let pose = Pose {
             x: x as i32,
@@ -347,7 +355,7 @@ pub(super) fn strew(canvas: &mut Canvas<'_>, species: &Species, view: &View, ste
         let rank = rows * u32::from(*TREE_DEPTHS.start()) / (height as u32 + 1);
         let depth =
             if y > i64::from(root_y) { u32::from(*TREE_DEPTHS.end()) + 1 + rank.min(16_000) } else { rank };
-        let shade = 84 + (key >> 40 & 31) as u8;
+        let shade = 66 + ((key >> 40) & 31) as u8;
         canvas.leaf(stencil, pose, twig, depth as u16, shade);
     }
 }

@@ -132,13 +132,13 @@ mod tests {
     }
 
     #[test]
-    fn a_leaf_has_all_sixteen_addresses_or_as_many_as_it_has_maps() {
+    fn every_leaf_fills_a_good_part_of_its_square() {
         for (name, _) in super::super::species::KNOWN {
             let species = Species::known(name).unwrap();
             let mut stencil = [Cell::default(); SIDE * SIDE];
             draw(&species.leaf, &mut stencil);
             let covered = stencil.iter().filter(|cell| cell.cover >= 128).count();
-            assert!((80..900).contains(&covered), "{name}: {covered} of {} cells", SIDE * SIDE);
+            assert!((60..900).contains(&covered), "{name}: {covered} of {} cells", SIDE * SIDE);
         }
     }
 

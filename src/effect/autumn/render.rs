@@ -11,8 +11,12 @@ use super::{
 };
 use crate::{
     effect::{self, RUN},
-    frame::{Size, pack::Levels, srgb},
-    math::{Factor, Turns, random::scatter},
+    frame::{
+        Size,
+        pack::{Level, Levels},
+        srgb,
+    },
+    math::{Factor, Turns, mul_q15, random::scatter},
     noise::drive::Drive,
 };
 use core::ops::Range;
@@ -73,15 +77,69 @@ pub(super) fn flutter(states: &mut [State], twigs: usize, drive: Drive) {
     }
 }
 
-/// A run of pixels on the way from addresses to levels.
+/// A run of pixels on the way from addresses to levels. What is fetched pixel by pixel stays as it is stored; all arithmetic is on whole
+/// planes, in 16-bit lanes.
 struct Run {
-    leaf: [[u16; RUN]; 3],
-    /// How much of a pixel the leaf covers, of 256.
-    cover: [u16; RUN],
-    /// How bright the leaf is, 128 being usual.
-    gain: [u16; RUN],
-    bark: [u16; RUN],
-    wood: [u16; RUN],
+    /// Of the leaf: red, green, blue, 0.
+    colour: [u32; RUN],
+    /// A texel's shade, cover, bark and wood.
+    marks: [u32; RUN],
+    /// A state's two parts.
+    state: [u16; RUN],
+    /// How bright the leaf is, Q13.
+    gain: [i16; RUN],
+    /// How much of the pixel it covers, Q15.
+    cover: [i16; RUN],
+    /// How bright the wood is, Q15.
+    bark: [i16; RUN],
+    /// How much of the pixel it covers, Q15.
+    wood: [i16; RUN],
+}
+
+impl Run {
+    const EMPTY: Self = Self {
+        colour: [0; RUN],
+        marks: [0; RUN],
+        state: [0; RUN],
+        gain: [0; RUN],
+        cover: [0; RUN],
+        bark: [0; RUN],
+        wood: [0; RUN],
+    };
+
+    /// Makes shares and gains of the first `count` marks and states.
+    #[inline(always)]
+    fn weigh(&mut self, count: usize) {
+        for i in 0..count {
+            let [shade, cover, bark, wood] = self.marks[i].to_le_bytes().map(i16::from);
+            let [there, gain] = self.state[i].to_le_bytes().map(i16::from);
+            // 128 of either is 1.
+            self.gain[i] = mul_q15(shade << 7, gain << 7);
+            self.cover[i] = mul_q15(whole(cover), whole(there));
+            self.bark[i] = bark << 7;
+            self.wood[i] = whole(wood);
+        }
+    }
+
+    /// A channel of the first pixels: leaf over wood over what is behind.
+    #[inline(always)]
+    fn layer(&self, channel: usize, bark: u8, behind: impl Iterator<Item = u8>, levels: &mut [Level]) {
+        let bark = i16::from(bark) << 4;
+        for (i, (level, behind)) in levels.iter_mut().zip(behind).enumerate() {
+            let behind = i16::from(behind) << 4;
+            let wood = mul_q15(bark, self.bark[i]);
+            let leaf = ((self.colour[i] >> (8 * channel)) & 0xff) as i16;
+            let leaf = mul_q15(leaf << 6, self.gain[i]).min(255 << 4);
+            let behind = behind + mul_q15(wood - behind, self.wood[i]);
+            *level = (behind + mul_q15(leaf - behind, self.cover[i])) as Level;
+        }
+    }
+}
+
+/// 0..=255 to 0..=1 in Q15, both ends exact to a step.
+#[inline(always)]
+const fn whole(share: i16) -> i16 {
+    (share << 7) | (share >> 1)
 }
 
 impl<'a> Moment<'a> {
@@ -122,23 +180,19 @@ impl<'a> Moment<'a> {
         }
     }
 
-    /// Fetches what the run shows.
+    /// Fetches what the run shows: of each pixel its texel, and by its address a colour and a state.
     fn fetch(&self, sources: &[u32], run: &mut Run) {
         let (texels, colours, states) = (&*self.planes.texels, &*self.planes.colours, &*self.planes.states);
         let last = texels.len() - 1;
-        for (i, &source) in sources.iter().enumerate() {
+        let out = run.colour.iter_mut().zip(&mut run.marks).zip(&mut run.state);
+        for (((colour, marks), state), &source) in out.zip(sources) {
             let texel: Texel = texels[(source as usize).min(last)];
-            let state = states[usize::from(texel.depth) % (2 * MOST_TWIGS)];
-            let colour = colours[usize::from(texel.address)];
-            for (channel, plane) in run.leaf.iter_mut().enumerate() {
-                plane[i] = (colour >> (8 * channel) & 0xff) as u16;
-            }
-            run.cover[i] =
-                ((u16::from(texel.cover) * u16::from(state.there)) >> 8) + u16::from(texel.cover >> 7);
-            run.gain[i] = (u16::from(texel.shade) * u16::from(state.gain)) >> 7;
-            run.bark[i] = texel.bark.into();
-            run.wood[i] = u16::from(texel.wood) + u16::from(texel.wood >> 7);
+            *colour = colours[usize::from(texel.address)];
+            *marks = u32::from_le_bytes([texel.shade, texel.cover, texel.bark, texel.wood]);
+            let State { there, gain } = states[usize::from(texel.depth) % (2 * MOST_TWIGS)];
+            *state = u16::from_le_bytes([there, gain]);
         }
+        run.weigh(sources.len());
     }
 
     /// Paints the leaves in the air over the run.
@@ -193,34 +247,20 @@ impl effect::Moment for Moment<'_> {
         } else {
             let mut sources = [0; RUN];
             self.sources(x, y as usize, &mut sources[..count]);
-            let mut run =
-                Run { leaf: [[0; RUN]; 3], cover: [0; RUN], gain: [0; RUN], bark: [0; RUN], wood: [0; RUN] };
+            let mut run = Run::EMPTY;
             self.fetch(&sources[..count], &mut run);
             for (channel, plane) in levels.planes().into_iter().enumerate() {
-                let bark = u16::from(self.bark[channel]);
+                let bark = self.bark[channel];
                 if self.is_photo {
-                    for (i, (level, &source)) in plane.iter_mut().zip(&sources).enumerate() {
-                        let pixel =
-                            self.planes.background[(source as usize).min(self.planes.background.len() - 1)];
-                        *level = layered(pixel[channel], bark, run.leaf[channel][i], &run, i);
-                    }
-                    continue;
-                }
-                for (i, (level, pixel)) in plane.iter_mut().zip(behind).enumerate() {
-                    *level = layered(pixel[channel], bark, run.leaf[channel][i], &run, i);
+                    let all = &*self.planes.background;
+                    let moved =
+                        sources[..count].iter().map(|&at| all[(at as usize).min(all.len() - 1)][channel]);
+                    run.layer(channel, bark, moved, plane);
+                } else {
+                    run.layer(channel, bark, behind.iter().map(|pixel| pixel[channel]), plane);
                 }
             }
         }
         self.sprites(x, y, levels);
     }
-}
-
-/// Leaf over wood over background.
-#[inline(always)]
-fn layered(behind: u8, bark: u16, leaf: u16, run: &Run, i: usize) -> u16 {
-    let behind = i32::from(behind) << 4;
-    let wood = i32::from(((u32::from(bark) * u32::from(run.bark[i])) >> 4) as u16).min(4_080);
-    let leaf = ((i32::from(leaf) * i32::from(run.gain[i])) >> 3).min(4_080);
-    let behind = behind + (((wood - behind) * i32::from(run.wood[i])) >> 8);
-    (behind + (((leaf - behind) * i32::from(run.cover[i])) >> 8)) as u16
 }

@@ -80,11 +80,11 @@ impl Species {
     /// A single leaf of this species, as large as the picture (the paper's fig. 8).
     #[must_use]
     pub fn one_leaf(&self) -> Self {
-        let matrix = Matrix::IDENTITY.scaled(ONE / 2);
+        let matrix = Matrix::IDENTITY.scaled(ONE / 16);
         let twig = AffineMap { matrix, shift: [0, ONE / 2, 0] };
         let rule = Rule { boughs: [twig].into_iter().collect(), wood: Vec::new(), is_flat: true };
         let (chances, droop) = ([1 << 16].into_iter().collect(), Number::ZERO);
-        let size = Number::lit("1.6");
+        let size = Number::lit("12");
         Self { rule, depth: 1, chances, stray: Number::ZERO, leaves: 1, size, droop, ..self.clone() }
     }
 
