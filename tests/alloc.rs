@@ -164,7 +164,7 @@ fn an_autumn_goes_through_its_season_without_the_heap() {
     let mut show = Show::new(Life::default().drive, 12, 1);
     let shown = calls(|| {
         for frame in 0..300 {
-            autumn.set_stage(Stage::new(Factor::from_num(frame) / 43));
+            autumn.set_stage(Stage::new(Factor::from_num(6) / 300 * frame));
             assert_eq!(show.turn(&mut autumn, "maple", &mut lent), Ok(()));
         }
     });

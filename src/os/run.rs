@@ -186,7 +186,8 @@ impl Running {
                     continue;
                 }
                 Ok(false) => {
-                    self.service.idle(Instant::now(), self.idle());
+                    let why = self.idle();
+                    self.service.idle(Instant::now(), why);
                     sleep(IDLE_WAIT);
                 }
                 Err(DisplayError::Lost) => {
@@ -253,8 +254,12 @@ impl Running {
     }
 
     /// Why a turn has shown no frame on a panel that is there.
-    fn idle(&self) -> Idle {
-        if self.dimmer.is_dark() { Idle::Off } else { Idle::NoPhoto }
+    fn idle(&mut self) -> Idle {
+        match self.album.nothing() {
+            _ if self.dimmer.is_dark() => Idle::Off,
+            Some(_) => Idle::NoPhoto,
+            None => Idle::Loading,
+        }
     }
 
     /// Sees to it that the photo that is wanted is shown as soon as it is loaded, and that the next one is loaded by then.

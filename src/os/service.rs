@@ -5,7 +5,7 @@
 //! never ends, in the painting, on a disk, keeps silent, and the manager starts the program anew.
 //!
 //! A turn without a frame is a sign of life only for a reason that a restart would not mend ([`Idle`]): the panel is off, gone or
-//! not there yet (it is opened afresh once a second), or there is no photo. The manager then sees the reason in place of
+//! not there yet (it is opened afresh once a second), there is no photo, or the first is being loaded. The manager then sees the reason in place of
 //! the picture. Before the first frame such turns prolong the start instead, since a watchdog runs only from
 //! then on.
 
@@ -34,8 +34,10 @@ pub(super) enum Idle {
     Off,
     /// The panel is not plugged in, is gone, or shows another console.
     NoPanel,
-    /// No photo is there, or none is loaded yet.
+    /// No photo is there; the panel says so.
     NoPhoto,
+    /// No photo is loaded yet.
+    Loading,
 }
 
 impl Idle {
@@ -44,6 +46,7 @@ impl Idle {
             Self::Off => "the panel is off",
             Self::NoPanel => "waiting for the panel",
             Self::NoPhoto => "waiting for a photo",
+            Self::Loading => "loading a photo",
         }
     }
 }
@@ -94,10 +97,7 @@ impl Service {
     /// A frame of `photo` was presented. Costs a comparison, and once a second a message.
     pub(super) fn shown(&mut self, now: Instant, photo: &str, noises: (Kind, Kind), paused: bool) {
         self.frames = self.frames.saturating_add(1);
-        let first = !std::mem::replace(&mut self.ready, true);
-        if first {
-            (self.status_due, self.feed_due) = (None, None);
-        }
+        let first = self.becomes_ready();
         self.tell(now, first, |status, rate| {
             let paused = if paused { ", paused" } else { "" };
             if let Some(rate) = rate {
@@ -107,9 +107,20 @@ impl Service {
         });
     }
 
-    /// A turn has shown nothing.
+    /// Notes a frame; whether it is the first, of which everything is told at once.
+    fn becomes_ready(&mut self) -> bool {
+        let first = !std::mem::replace(&mut self.ready, true);
+        if first {
+            (self.status_due, self.feed_due) = (None, None);
+        }
+        first
+    }
+
+    /// A turn has shown no photo.
     pub(super) fn idle(&mut self, now: Instant, why: Idle) {
-        self.tell(now, false, |status, _| status.push_str(why.status()));
+        // What the panel says in the place of a photo is a frame too.
+        let first = why == Idle::NoPhoto && self.becomes_ready();
+        self.tell(now, first, |status, _| status.push_str(why.status()));
         // The rate is that of a stretch of frames without a gap.
         (self.frames, self.counting_since) = (0, None);
     }
@@ -201,10 +212,10 @@ mod tests {
     fn the_first_frame_is_what_makes_it_ready() {
         let (mut service, now) = (service(Some(MINUTE)), Instant::now());
         service.idle(now, Idle::NoPanel);
-        service.idle(now + STATUS_EVERY, Idle::NoPhoto);
+        service.idle(now + STATUS_EVERY, Idle::Loading);
         let waiting = heard();
         assert_eq!(waiting[0], "STATUS=waiting for the panel\nEXTEND_TIMEOUT_USEC=90000000\n");
-        assert_eq!(waiting[1], "STATUS=waiting for a photo\nEXTEND_TIMEOUT_USEC=90000000\n");
+        assert_eq!(waiting[1], "STATUS=loading a photo\nEXTEND_TIMEOUT_USEC=90000000\n");
         service.shown(now + STATUS_EVERY, "lake.jpg", NOISES, false);
         service.shown(now + STATUS_EVERY, "lake.jpg", NOISES, false);
         assert_eq!(
