@@ -14,6 +14,7 @@ use yurameki::{
     effect::{
         Photo,
         autumn::{self, Autumn, Species, Stage, Tree},
+        kaleidoscope::{self, Kaleidoscope, Mode, Reference},
         shimmer::{Range, Shimmer, storage_len},
     },
     frame::{Layout, PixelFormat, Size},
@@ -141,4 +142,31 @@ fn an_autumn_goes_through_its_season_without_the_heap() {
         }
     });
     assert_eq!(shown, 0, "a running autumn takes the heap");
+}
+
+#[test]
+fn a_kaleidoscope_is_prepared_and_shows_its_frames_without_the_heap() {
+    let rgb: Vec<u8> = (0..SIZE.pixels() * 3).map(|i| (i * i / 7 % 256) as u8).collect();
+    let photo = Photo { size: SIZE, rgb: &rgb, mask: &[] };
+    let reference = Reference { size: SIZE, rgb: &rgb };
+    let layout = Layout::new(SIZE, PixelFormat::Xrgb8888, None).expect("a good layout");
+    let mut memory = vec![0; memory_len(layout, Buffering::Double)];
+    for &(name, mode) in Mode::NAMES {
+        let settings = kaleidoscope::Settings { mode, ..Default::default() };
+        let mut storage = vec![0; kaleidoscope::storage_len(SIZE, &settings)];
+        let prepared =
+            calls(|| Kaleidoscope::prepare(photo, reference, &settings, &mut storage[..]).map(drop));
+        assert_eq!(prepared, 0, "{name}: preparing takes the heap");
+
+        let mut kaleidoscope =
+            Kaleidoscope::prepare(photo, reference, &settings, &mut storage[..]).expect("enough storage");
+        let mut lent = Sim::new(&mut memory[..], layout, Buffering::Double, 0).expect("enough memory");
+        let mut show = Show::new(Life::default().drive, 12, 1);
+        let shown = calls(|| {
+            for _ in 0..200 {
+                assert_eq!(show.turn(&mut kaleidoscope, "a photo.jpg", &mut lent), Ok(()));
+            }
+        });
+        assert_eq!(shown, 0, "{name}: a running show takes the heap");
+    }
 }

@@ -7,9 +7,11 @@
 pub mod night;
 mod overlay;
 pub mod pace;
+mod picture;
 pub mod playlist;
 mod show;
 mod state;
 
+pub use picture::{Picture, PictureMoment, Subject};
 pub use show::Show;
 pub use state::{Outcome, Request, State};

@@ -7,11 +7,9 @@
 pub mod autumn;
 pub mod kaleidoscope;
 pub mod paint;
-mod picture;
 pub mod shimmer;
 
 pub use paint::Paint;
-pub use picture::{Picture, PictureMoment, Subject};
 
 use crate::{
     frame::{FrameMut, Size, pack::Levels},

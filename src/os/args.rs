@@ -285,7 +285,7 @@ pub struct Look {
     /// The photo whose colours a kaleidoscope takes; in a show, by default, that of another photo.
     #[arg(long, value_name = "PHOTO")]
     pub reference: Option<PathBuf>,
-    /// What a kaleidoscope makes of the photo: tonal, watercolour, or literal as its paper has it.
+    /// What a kaleidoscope makes of the photo: watercolour, tonal (crisper), or literal as its paper has it.
     #[arg(long)]
     pub mode: Option<kaleidoscope::Mode>,
     /// Where a kaleidoscope's coder looks for domains: none, local, filter8, filterC or classes72.

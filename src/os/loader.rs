@@ -3,9 +3,13 @@
 use super::{
     Failure,
     config::Config,
-    scene::{self, Scene, Source},
+    scene::{self, Scene, Source, Way},
 };
-use crate::{app::playlist::PhotoId, effect::Picture, frame::Size, noise::drive};
+use crate::{
+    app::{Picture, playlist::PhotoId},
+    frame::Size,
+    noise::drive,
+};
 use std::{
     path::PathBuf,
     sync::{
@@ -21,6 +25,8 @@ pub(super) struct Living {
     pub(super) name: String,
     pub(super) size: Size,
     pub(super) picture: Picture<Vec<u64>>,
+    /// How it lives.
+    pub(super) way: Way,
     /// The noises and times of the photo's own look.
     pub(super) drive: drive::Settings,
     /// How long it is to be shown.
@@ -34,6 +40,8 @@ struct Order {
     path: Option<PathBuf>,
     /// The photo whose colours a kaleidoscope takes.
     other: Option<PathBuf>,
+    /// How it is to live, where a button has chosen that.
+    way: Option<Way>,
     size: Size,
     storage: Vec<u64>,
 }
@@ -81,9 +89,16 @@ impl Loader {
     }
 
     /// Orders a photo for a panel of `size`; without a path, the demo photo. A kaleidoscope takes the colours of the `other` one.
-    pub(super) fn order(&mut self, id: PhotoId, path: Option<PathBuf>, other: Option<PathBuf>, size: Size) {
+    pub(super) fn order(
+        &mut self,
+        id: PhotoId,
+        path: Option<PathBuf>,
+        other: Option<PathBuf>,
+        way: Option<Way>,
+        size: Size,
+    ) {
         let storage = self.spare.pop().unwrap_or_default();
-        self.busy = self.orders.send(Order { id, path, other, size, storage }).is_ok();
+        self.busy = self.orders.send(Order { id, path, other, way, size, storage }).is_ok();
     }
 
     /// The photo that was ordered, once it is there; does not wait.
@@ -107,14 +122,15 @@ impl Loader {
 }
 
 fn load(order: Order, config: &Config) -> Result<Living, Failure> {
-    let Order { id, path, other, size, storage } = order;
+    let Order { id, path, other, way, size, storage } = order;
     let source = path.as_deref().map_or(Source::Demo, Source::File);
-    let scene = Scene::load_beside(source, other.as_deref(), size, config)?;
+    let scene = Scene::load_as(source, other.as_deref(), way, size, config)?;
     let life = scene::turned(scene.look().life.at(config.frames_per_second), config.rotation);
     Ok(Living {
         id,
         name: scene.name().to_owned(),
         size,
+        way: scene.way(),
         picture: scene.prepare(&life, storage)?,
         drive: life.drive,
         seconds: scene.look().seconds,

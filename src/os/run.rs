@@ -11,7 +11,9 @@ use super::{
     interrupt::Interrupt,
     loader::{Living, Loader},
     panel::Panel,
-    render, set_log_level,
+    render,
+    scene::Way,
+    set_log_level,
     stdout::print_line,
 };
 use crate::{
@@ -95,6 +97,8 @@ struct Running {
     leaving: Option<Living>,
     next: Option<Living>,
     dwell: Dwell,
+    /// How photos live, once a button has chosen that.
+    way: Option<Way>,
     /// The photos were named on the command line.
     typed: bool,
 }
@@ -135,6 +139,7 @@ impl Running {
             leaving: None,
             next: None,
             dwell: Dwell::new(None),
+            way: None,
             typed,
         })
     }
@@ -203,7 +208,9 @@ impl Running {
     fn supply(&mut self) -> Result<(), Failure> {
         let size = self.panel.mode().layout.size;
         match self.loader.take() {
-            Some((_, Ok(living))) if living.size == size => self.next = Some(living),
+            Some((_, Ok(living))) if living.size == size && self.is_wanted(&living) => {
+                self.next = Some(living)
+            }
             Some((_, Ok(living))) => self.loader.recycle(living),
             // The only photo that somebody has asked for.
             Some((_, Err(failure))) if self.typed && !self.album.goes_on() => return Err(failure),
@@ -213,7 +220,7 @@ impl Running {
             None => {}
         }
         let Some(wanted) = self.album.current() else { return self.give_up() };
-        let shown = self.current.as_ref().map(|living| living.id);
+        let shown = self.current.as_ref().filter(|living| self.is_wanted(living)).map(|living| living.id);
         if shown == Some(wanted) {
             if self.next.is_none() && self.leaving.is_none() && !self.loader.is_busy() {
                 self.order_upcoming(size);
@@ -225,15 +232,29 @@ impl Running {
                 self.loader.recycle(other);
             }
             let other = self.album.neighbour(wanted);
-            self.loader.order(wanted, self.album.path(wanted), other, size);
+            self.loader.order(wanted, self.album.path(wanted), other, self.way, size);
         }
         Ok(())
+    }
+
+    /// Whether a photo lives in the way that a button has chosen.
+    fn is_wanted(&self, living: &Living) -> bool {
+        self.way.is_none_or(|way| living.way.looks_as(way))
+    }
+
+    /// The photo comes again in another way, once it is prepared; that one goes on meanwhile.
+    fn next_way(&mut self) {
+        let Some(current) = &self.current else { return };
+        self.way = Some(self.way.unwrap_or(current.way).next());
+        if let Some(next) = self.next.take() {
+            self.loader.recycle(next);
+        }
     }
 
     fn order_upcoming(&mut self, size: Size) {
         if let Some(upcoming) = self.album.upcoming() {
             let other = self.album.neighbour(upcoming);
-            self.loader.order(upcoming, self.album.path(upcoming), other, size);
+            self.loader.order(upcoming, self.album.path(upcoming), other, self.way, size);
         }
     }
 
@@ -294,7 +315,7 @@ impl Running {
         match request {
             Request::NextPhoto => self.album.next(),
             Request::PreviousPhoto => self.album.previous(),
-            Request::NextEffect => log::info!("there is no other effect than shimmer"),
+            Request::NextEffect => self.next_way(),
             Request::Sleep => self.dimmer.sleep(),
             Request::Hide => {
                 if let Some(current) = &self.current {

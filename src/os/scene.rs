@@ -9,11 +9,12 @@ use super::{
     photo,
 };
 use crate::{
+    app::{Picture, Subject},
     config::{EffectChoice, Life},
     effect::{
-        Photo, Picture, Subject,
+        Photo,
         autumn::{Plates, Species, Tree},
-        kaleidoscope::Reference,
+        kaleidoscope::{Mode, Reference},
         shimmer::automatic_mask::{HARDLY_ANYTHING_PER_MILLE, automatic_mask, moving_per_mille, scratch_len},
     },
     frame::{Rotation, Size, rotate},
@@ -33,6 +34,34 @@ pub enum Source<'a> {
 
 /// "Forest" by Moritz Reisinger, CC BY-SA 3.0: see tests/data/README.md.
 static DEMO: &[u8] = include_bytes!("../../tests/data/demo.jpg");
+
+/// What buttons choose of how photos live.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Way {
+    pub(super) effect: EffectChoice,
+    /// The mode of a kaleidoscope.
+    pub(super) mode: Mode,
+}
+
+impl Way {
+    /// The way after this one: the shimmer, then the kaleidoscope from its finest mode to the paper's, then the
+    /// autumn.
+    pub(super) const fn next(self) -> Self {
+        let (effect, mode) = match (self.effect, self.mode) {
+            (EffectChoice::Shimmer, _) => (EffectChoice::Kaleidoscope, Mode::Watercolour),
+            (EffectChoice::Kaleidoscope, Mode::Watercolour) => (EffectChoice::Kaleidoscope, Mode::Tonal),
+            (EffectChoice::Kaleidoscope, Mode::Tonal) => (EffectChoice::Kaleidoscope, Mode::Literal),
+            (EffectChoice::Kaleidoscope, Mode::Literal) => (EffectChoice::Autumn, self.mode),
+            (EffectChoice::Autumn, _) => (EffectChoice::Shimmer, self.mode),
+        };
+        Self { effect, mode }
+    }
+
+    /// Whether a picture that lives in this way looks as one that lives in the `other`.
+    pub(super) fn looks_as(self, other: Self) -> bool {
+        self.effect == other.effect && (self.effect != EffectChoice::Kaleidoscope || self.mode == other.mode)
+    }
+}
 
 /// A photo and its mask at the panel's size, turned as the panel is mounted.
 #[derive(Debug)]
@@ -72,20 +101,25 @@ impl Scene {
     /// # Errors
     /// A photo, mask or reference that cannot be used; one line that names it, what is wrong and the cure.
     pub fn load(source: Source<'_>, size: Size, config: &Config) -> Result<Self, Failure> {
-        Self::load_beside(source, None, size, config)
+        Self::load_as(source, None, None, size, config)
     }
 
-    /// As [`Self::load`]; a kaleidoscope takes the colours of the photo at `other` where nobody has chosen others.
-    pub(super) fn load_beside(
+    /// As [`Self::load`]; a kaleidoscope takes the colours of the photo at `other` where nobody has chosen others. It lives in the `way`
+    /// that a button has chosen.
+    pub(super) fn load_as(
         source: Source<'_>,
         other: Option<&Path>,
+        way: Option<Way>,
         size: Size,
         config: &Config,
     ) -> Result<Self, Failure> {
-        let look = match source {
+        let mut look = match source {
             Source::File(path) => config.look(path),
             Source::Demo => config.plain_look(),
         };
+        if let Some(way) = way {
+            (look.effect, look.life.kaleidoscope.mode) = (way.effect, way.mode);
+        }
         let rotation = config.rotation;
         let upright = rotation.turned(size);
         let limits = photo::Limits { bytes: config.memory_ceiling_bytes, ..photo::Limits::default() };
@@ -124,6 +158,11 @@ impl Scene {
     /// How the photo is shown: as its sidecar says, or as all are.
     pub const fn look(&self) -> &Look {
         &self.look
+    }
+
+    /// The effect, and its mode.
+    pub(super) const fn way(&self) -> Way {
+        Way { effect: self.look.effect, mode: self.look.life.kaleidoscope.mode }
     }
 
     /// The photo with the effect that was chosen for it, which lives as `life` says.

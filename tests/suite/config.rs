@@ -15,7 +15,10 @@ use yurameki::{
         Order, Preset,
         night::{Level, Zone},
     },
-    effect::shimmer::{Branch, Range},
+    effect::{
+        kaleidoscope::{Mode, Settings, fractal::Search},
+        shimmer::{Branch, Range},
+    },
     frame::Rotation,
     input::{Button, action::Action},
     math::{Factor, Turns},
@@ -48,6 +51,10 @@ fit = "plain"
 background = "#10fF20"
 [life]
 effect = "shimmer"
+mode = "literal"
+search = "filterC"
+depth = 2
+reference = "sunset.jpg"
 amplitude = "white"
 frequency = "chaos"
 phase = "literal"
@@ -162,7 +169,7 @@ fn each_value_of_the_default_text_is_the_default() {
     let (folder, other) = (TempDir::new().unwrap(), OTHER.replace("\"leaves.png\"", "\"none\""));
     let (board, file) = (folder.path().join("board.toml"), folder.path().join("config.toml"));
     // Those without a default have an example in the text instead.
-    let without_default = ["board = ", "backlight = ", "mask = ", "preset = "];
+    let without_default = ["board = ", "backlight = ", "mask = ", "preset = ", "reference = "];
     let text: String = uncommented()
         .lines()
         .filter(|line| !without_default.iter().any(|key| line.starts_with(key)))
@@ -179,7 +186,11 @@ fn each_value_of_the_default_text_is_the_default() {
         // What the other text said and the default text has no word to take back.
         backlight: got.backlight.clone(),
         keys: got.keys.clone(),
-        look: Look { mask: got.look.mask.clone(), ..default.look.clone() },
+        look: Look {
+            mask: got.look.mask.clone(),
+            reference: got.look.reference.clone(),
+            ..default.look.clone()
+        },
         ..default
     };
     assert_eq!(shown(&got), shown(&want));
@@ -215,7 +226,10 @@ fn every_key_does_what_it_says() {
     assert_eq!(config.backlight.as_deref(), Some(Path::new("/sys/class/backlight/10-0045")));
     assert_eq!(config.photos, ["/etc/frame/holiday", "/srv/photos"].map(PathBuf::from));
     assert_eq!((config.order, config.fade), (Order::Date, Duration::from_millis(500)));
-    let Look { life, mask, fit, background, seconds, .. } = config.look;
+    let Look { life, mask, fit, background, seconds, reference, .. } = config.look;
+    assert_eq!(reference.as_deref(), Some(Path::new("/etc/frame/sunset.jpg")));
+    let Settings { mode, search, depth } = life.kaleidoscope;
+    assert_eq!((mode, search, depth), (Mode::Literal, Search::FilterC, 2));
     assert_eq!((fit, background, seconds), (Fit::Plain, [0x10, 0xff, 0x20], 5));
     assert_eq!(mask, Some(MaskChoice::File("/etc/frame/leaves.png".into())));
     let (drive, shimmer) = (life.drive, life.shimmer);

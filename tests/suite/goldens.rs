@@ -7,7 +7,10 @@ use std::{collections::BTreeMap, env, fmt::Write as _, fs, path::Path, process::
 use yurameki::{
     config::Life,
     display::sim::Buffering,
-    effect::shimmer::{self, Branch, Light, Range},
+    effect::{
+        autumn, kaleidoscope,
+        shimmer::{self, Branch, Light, Range},
+    },
     frame::{Layout, PixelFormat, Size},
     input::action::Action,
     math::{Factor, Turns},
@@ -81,6 +84,8 @@ fn life(range: Range) -> Life {
             strength: Factor::ONE,
             wind: Turns::from_degrees(75),
         },
+        kaleidoscope: kaleidoscope::Settings::default(),
+        autumn: autumn::Settings::default(),
     }
 }
 

@@ -8,6 +8,8 @@ mod cross_geometry;
 mod display;
 #[cfg(feature = "os")]
 mod goldens;
+#[cfg(feature = "os")]
+mod kaleidoscope;
 mod layering;
 #[cfg(feature = "os")]
 mod library;

@@ -55,7 +55,7 @@ pub(super) fn fill(code: &Code<'_>, symbols: &Symbols<'_>, levels: &[u8], addres
 /// The symbol of every level, and what a symbol looks like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Tones {
-    symbols: [u8; 256],
+    pub(super) symbols: [u8; 256],
     /// The mean level of a symbol's pixels.
     pub(super) levels: [u8; SYMBOLS],
 }
@@ -109,7 +109,7 @@ impl Literal {
         }
     }
 
-    fn symbol(&self, contrast: i8, brightness: u8) -> u8 {
+    pub(super) fn symbol(&self, contrast: i8, brightness: u8) -> u8 {
         let class =
             |value: i32, limits: &[i32; 3]| limits.iter().filter(|&&limit| value >= limit).count() as u8;
         class(contrast.into(), &self.contrasts) << 2 | class(brightness.into(), &self.brightnesses)

@@ -16,10 +16,10 @@ use crate::{
 const CHOSEN_FOR: u32 = 12;
 
 /// Turns of the drive for one of the mirrors. An oscillation takes 1.7 s; mirrors that turned as fast would flicker.
-const GEAR: i64 = 24;
+pub(super) const GEAR: i64 = 24;
 
 /// How far windows leave their place at X_A = 1.
-const REACH: i32 = UNIT / 14;
+pub(super) const REACH: i32 = UNIT / 14;
 
 /// Where the mirrors are, and which windows are seen.
 #[derive(Clone, Debug)]

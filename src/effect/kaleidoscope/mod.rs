@@ -12,9 +12,10 @@
 //! is a table of 4,096 colours and one look-up a pixel.
 //!
 //! Departures from the paper:
-//! 1. [`Mode::Tonal`], the default: symbols are classes of the decoded levels, and windows are chosen for their tones, so that the
+//! 1. [`Mode::Tonal`]: symbols are classes of the decoded levels, and windows are chosen for their tones, so that the
 //!    picture can still be seen. The paper's own symbols ([`Mode::Literal`]) destroy it.
-//! 2. [`Mode::Watercolour`]: the mean of four codes whose ranges are shifted against each other. The block noise that
+//!    Each window is also brought nearer to the luma that its symbol has in the photo: many references have no darkness of their own.
+//! 2. [`Mode::Watercolour`], the default: the mean of four codes whose ranges are shifted against each other. The block noise that
 //!    the paper names as its limit is gone.
 //! 3. Colours are means over the whole square of an address, in linear light, instead of single pixels; between the texels of the means they are
 //!    interpolated in coded levels.
@@ -29,7 +30,10 @@ mod storage;
 mod texture;
 mod windows;
 
-pub use prepare::storage_len;
+#[cfg(test)]
+mod reference;
+
+pub use prepare::{TOLERANCE_Q4, storage_len};
 pub use render::Moment;
 pub use texture::Reference;
 
@@ -44,9 +48,9 @@ pub enum Mode {
     /// Classes of contrast and brightness of the ranges, as the paper has it.
     Literal,
     /// Classes of the levels.
-    #[default]
     Tonal,
-    /// As tonal, and the mean of four codes with shifted ranges.
+    /// As tonal, and the mean of four codes with shifted ranges: what hangs well on a wall.
+    #[default]
     Watercolour,
 }
 

@@ -73,9 +73,9 @@ impl<'a> Planes<'a> {
 /// Sweeps of the decoder: from grey, photos are settled to within a level.
 const SWEEPS: u32 = 6;
 
-/// How far a range may be off: half of what coders are compared at. Compression is not the aim, and borders of ranges are seen first where the
+/// How far a range may be off, in levels, Q4: half of what coders are compared at. Compression is not the aim, and borders of ranges are seen first where the
 /// picture is smooth.
-const TOLERANCE_Q4: u16 = 4 << 4;
+pub const TOLERANCE_Q4: u16 = 4 << 4;
 
 pub(super) fn prepare<S: AsMut<[u64]>>(
     photo: Photo<'_>,

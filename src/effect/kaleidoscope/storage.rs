@@ -9,6 +9,7 @@ pub(super) const fn words<T>(count: usize) -> usize {
 
 /// The next `count` values of `memory`, which shrinks; `None` where there is too little of it.
 pub(super) fn take<'a, T: Pod>(memory: &mut &'a mut [u64], count: usize) -> Option<&'a mut [T]> {
-    let taken = memory.split_off_mut(..words::<T>(count))?;
-    bytemuck::cast_slice_mut(taken).get_mut(..count)
+    let taken: &mut [u8] = bytemuck::cast_slice_mut(memory.split_off_mut(..words::<T>(count))?);
+    // Cut first: values of three or twelve bytes need not fill their last word.
+    taken.get_mut(..count * size_of::<T>()).map(bytemuck::cast_slice_mut)
 }

@@ -12,12 +12,14 @@
 //! | `rating` | Tables 1 and 2 |
 //! | `autumn-figures` | Fig. 5, 6, 8, 11, 13 to 17 of Mochizuki, Horie and Cai (see `effect::autumn`) |
 //! | `no-repeat` | – (that no noise repeats itself) |
+//! | `kaleidoscope` | – (coder, likeness, motion and cost of the other effect, see `effect::kaleidoscope`) |
 
 mod autumn;
 mod autumn_measures;
 mod clips;
 mod drawing;
 mod film;
+mod kaleidoscope;
 mod no_repeat;
 mod paper;
 mod rating;
@@ -64,6 +66,8 @@ enum Command {
     AutumnFigures(autumn::Args),
     /// Check that a noise never repeats 256 frames within 2^N.
     NoRepeat(no_repeat::Args),
+    /// Measure the kaleidoscope: its coder, its pictures, their motion and what they cost.
+    Kaleidoscope(kaleidoscope::Args),
 }
 
 /// Where pictures and clips go.
@@ -93,6 +97,7 @@ fn main() -> ExitCode {
         Command::Rating(command) => rating::execute(&command),
         Command::AutumnFigures(args) => autumn::draw_figures(&args),
         Command::NoRepeat(args) => no_repeat::check(&args),
+        Command::Kaleidoscope(args) => kaleidoscope::measure(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -53,7 +53,8 @@ impl Block {
         self.pixels() as u64 * self.square_sum as u64 - self.sum as u64 * self.sum as u64
     }
 
-    /// The block turned about: pixel (u, v) is what `strides` (of side × side, from 0) reads.
+    /// The block turned about: pixel (u, v) is what `strides` (of its side, from 0) reads.
+    #[cfg(test)]
     pub(super) fn turned(&self, strides: Strides) -> Self {
         Self::read(self.levels(), strides, self.side)
     }

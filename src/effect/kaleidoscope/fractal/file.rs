@@ -159,7 +159,7 @@ impl<'a> Checked<'a> {
                 bits.tree(x as u16, y as u16, LARGEST as u8, plane, &mut leaf)?;
             }
         }
-        bits.is_at_end().then_some(())
+        bits.ends().then_some(())
     }
 }
 
@@ -181,10 +181,16 @@ pub fn write(code: &Code<'_>, size: Size, file: &mut [u8]) -> usize {
     header[4..6].copy_from_slice(&(size.width as u16).to_le_bytes());
     header[6..8].copy_from_slice(&(size.height as u16).to_le_bytes());
     header[8..12].copy_from_slice(&(code.leaves.len() as u32).to_le_bytes());
-    header[12..16].copy_from_slice(&(length as u32).to_le_bytes());
-    let sum = checksum(&[&header[..16], &body[..length]]);
-    header[16..20].copy_from_slice(&sum.to_le_bytes());
+    seal(&mut file[..HEADER + length]);
     HEADER + length
+}
+
+/// Gives `file` the length of its body and its checksum, whatever else it is; one without room for a header stays as it is.
+pub fn seal(file: &mut [u8]) {
+    let Some((header, body)) = file.split_at_mut_checked(HEADER) else { return };
+    header[12..16].copy_from_slice(&(body.len() as u32).to_le_bytes());
+    let sum = checksum(&[&header[..16], body]);
+    header[16..20].copy_from_slice(&sum.to_le_bytes());
 }
 
 /// Bits that a place in the contracted plane takes.
@@ -251,7 +257,7 @@ impl Reader<'_> {
     }
 
     /// Nothing but zeros to fill up the last byte.
-    fn is_at_end(mut self) -> bool {
+    fn ends(&mut self) -> bool {
         let rest = self.bytes.len() * 8 - self.at;
         rest < 8 && self.take(rest as u32) == Some(0)
     }

@@ -20,6 +20,9 @@ pub mod file;
 mod isometry;
 mod search;
 
+#[cfg(test)]
+mod reference;
+
 pub use coder::{Options, encode, most_leaves, scratch_len};
 pub use decoder::{contract, decode, sweep};
 pub(super) use isometry::Strides;

@@ -85,6 +85,7 @@ pub(super) const fn pool_len(size: Size, search: Search) -> usize {
 }
 
 /// Finds candidates for ranges of one side.
+#[expect(clippy::large_enum_variant, reason = "one is there at a time, on the stack")]
 pub(super) enum Finder<'a> {
     Concentric,
     Local,

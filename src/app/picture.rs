@@ -1,13 +1,13 @@
 //! A photo with the effect that was chosen for it.
 
-use super::{
-    Effect, Moment, Photo, StorageTooSmall,
-    autumn::{self, Autumn, Stage, Tree},
-    kaleidoscope::{self, Kaleidoscope, Reference},
-    shimmer::{self, Shimmer},
-};
 use crate::{
     config::{EffectChoice, Life},
+    effect::{
+        Effect, Moment, Photo, StorageTooSmall,
+        autumn::{self, Autumn, Stage, Tree},
+        kaleidoscope::{self, Kaleidoscope, Reference},
+        shimmer::{self, Shimmer},
+    },
     frame::{Size, pack::Levels},
     noise::drive::Drive,
 };
