@@ -26,7 +26,7 @@ pub(super) fn fill(texels: &mut [Texel], photo: Photo<'_>, species: &Species, se
         *texel = Texel::default();
         if cover > 0 {
             let cell = cell((at % width) as u32, (at / width) as u32, height, seed);
-            let twig = (cell >> (2 * LEAF_LEVELS)) as usize * species.twigs() >> (2 * TWIG_LEVELS);
+            let twig = ((cell >> (2 * LEAF_LEVELS)) as usize * species.twigs()) >> (2 * TWIG_LEVELS);
             texel.address = (twig as u16) << 4 | (cell & 15) as u16;
             texel.depth = *TREE_DEPTHS.start();
             texel.cover = cover;

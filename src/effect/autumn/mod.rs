@@ -56,7 +56,7 @@ use crate::{
     math::{Factor, Turns},
     noise::drive::Drive,
 };
-use airborne::Airborne;
+use airborne::{Airborne, Sprite};
 use canvas::{Canvas, Painter};
 use core::ops::Range;
 use season::{Course, Knots, Now};
@@ -115,6 +115,8 @@ pub struct Autumn<S> {
     /// The stage that the colours were last made for.
     coloured: Option<Stage>,
     airborne: Option<Airborne>,
+    /// The leaves in the air as the latest moment shows them.
+    sprites: heapless::Vec<Sprite, { airborne::MOST }>,
     moving: [Range<usize>; 2],
 }
 
@@ -212,6 +214,7 @@ impl<S: AsMut<[u64]>> Autumn<S> {
             stage: Stage::default(),
             coloured: None,
             airborne: settings.leaf_fall.then(|| Airborne::new(settings.fall_frames, settings.seed)),
+            sprites: heapless::Vec::new(),
             moving,
         }
     }
@@ -307,15 +310,14 @@ impl<S: AsMut<[u64]>> Effect for Autumn<S> {
         }
         render::flutter(planes.states, self.twigs, drive);
         sway::bend(planes.nodes, self.size, drive);
-        let mut sprites = heapless::Vec::new();
         if let Some(airborne) = &mut self.airborne {
             let twigs = self.twigs as u64;
             airborne.step(self.size, drive, |chance| {
                 let twig = (chance % twigs) as usize;
                 now.loosens(&planes.calendars[twig]).then(|| (twig as u16, planes.spots[twig]))
             });
-            sprites = airborne.sprites(self.size);
+            self.sprites = airborne.sprites(self.size);
         }
-        Moment::new(self, sprites)
+        Moment::new(self)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{
     Autumn,
-    airborne::{MOST, Sprite},
+    airborne::Sprite,
     plates::{CELLS, Light, STAGES},
     season::Now,
     species::MOST_TWIGS,
@@ -20,7 +20,6 @@ use crate::{
     noise::drive::Drive,
 };
 use core::ops::Range;
-use heapless::Vec;
 
 /// An autumn at one moment.
 #[derive(Debug)]
@@ -29,7 +28,7 @@ pub struct Moment<'a> {
     bark: [u8; 3],
     /// Whether what is behind the leaves moves with them.
     is_photo: bool,
-    sprites: Vec<Sprite, MOST>,
+    sprites: &'a [Sprite],
     /// What can differ from frame to frame: columns and rows.
     moving: [Range<usize>; 2],
 }
@@ -143,13 +142,12 @@ const fn whole(share: i16) -> i16 {
 }
 
 impl<'a> Moment<'a> {
-    pub(super) fn new<S: AsMut<[u64]>>(autumn: &'a mut Autumn<S>, sprites: Vec<Sprite, MOST>) -> Self {
-        let (size, bark, is_photo) = (autumn.size, autumn.bark, autumn.is_photo);
-        let moving = autumn.moving.clone();
-        let Ok(planes) = Planes::carve(size, autumn.storage.as_mut()) else {
+    pub(super) fn new<S: AsMut<[u64]>>(autumn: &'a mut Autumn<S>) -> Self {
+        let Autumn { size, bark, is_photo, moving, storage, sprites, .. } = autumn;
+        let Ok(planes) = Planes::carve(*size, storage.as_mut()) else {
             unreachable!("the storage was long enough when the tree was prepared")
         };
-        Self { planes, bark, is_photo, sprites, moving }
+        Self { planes, bark: *bark, is_photo: *is_photo, sprites, moving: moving.clone() }
     }
 
     /// Where the pixels from (x, y) on are fetched from.

@@ -351,7 +351,7 @@ mod tests {
 
     #[test]
     fn shade_delays() {
-        let is_lit = |twig: usize| twig / 16 % 2 == 0;
+        let is_lit = |twig: usize| twig & 16 == 0;
         let tree = Tree::new("maple", false, |twig| if is_lit(twig) { 255 } else { 0 });
         let (lit, dark) = (mean_of(&tree, is_lit), mean_of(&tree, |twig| !is_lit(twig)));
         assert!(lit > dark + 0.3, "{lit} in the light, {dark} in the shade");
