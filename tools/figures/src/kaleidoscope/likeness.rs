@@ -70,8 +70,9 @@ mod tests {
 
     #[test]
     fn chequers_of_the_ranges_have_all_their_gradient_at_borders() {
-        let luma: Vec<u8> =
-            (0..64 * 32).map(|i: usize| if (i % 64 / 8 + i / 64 / 8) % 2 == 0 { 0 } else { 200 }).collect();
+        let luma: Vec<u8> = (0..64 * 32)
+            .map(|i: usize| if (i % 64 / 8 + i / 64 / 8).is_multiple_of(2) { 0 } else { 200 })
+            .collect();
         let ranges: Vec<_> = (0..32).map(|i| (i % 8 * 8, i / 8 * 8, 8)).collect();
         assert!(border_ratio(&luma, 64, &ranges) > 1e6);
         assert!(border_ratio(&[7; 64 * 32], 64, &ranges) < 1e-6);
