@@ -169,7 +169,7 @@ fn each_value_of_the_default_text_is_the_default() {
     let (folder, other) = (TempDir::new().unwrap(), OTHER.replace("\"leaves.png\"", "\"none\""));
     let (board, file) = (folder.path().join("board.toml"), folder.path().join("config.toml"));
     // Those without a default have an example in the text instead.
-    let without_default = ["board = ", "backlight = ", "mask = ", "preset = ", "reference = "];
+    let without_default = ["board = ", "backlight = ", "mask = ", "preset = ", "reference = ", "minutes = "];
     let text: String = uncommented()
         .lines()
         .filter(|line| !without_default.iter().any(|key| line.starts_with(key)))
@@ -189,6 +189,7 @@ fn each_value_of_the_default_text_is_the_default() {
         look: Look {
             mask: got.look.mask.clone(),
             reference: got.look.reference.clone(),
+            season: got.look.season,
             ..default.look.clone()
         },
         ..default
