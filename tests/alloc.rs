@@ -19,7 +19,6 @@ use yurameki::{
     },
     frame::{Layout, PixelFormat, Size},
     input::action::Action,
-    math::Factor,
 };
 
 struct Counting;
@@ -164,7 +163,7 @@ fn an_autumn_goes_through_its_season_without_the_heap() {
     let mut show = Show::new(Life::default().drive, 12, 1);
     let shown = calls(|| {
         for frame in 0..300 {
-            autumn.set_stage(Stage::new(Factor::from_num(6) / 300 * frame));
+            autumn.set_stage(Stage::GREEN.towards(Stage::BARE, frame, 300));
             assert_eq!(show.turn(&mut autumn, "maple", &mut lent), Ok(()));
         }
     });

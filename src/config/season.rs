@@ -1,6 +1,6 @@
 //! When it is autumn: the calendar of a tree.
 
-use crate::{effect::autumn::Stage, math::Factor};
+use crate::effect::autumn::Stage;
 use core::{fmt, str::FromStr};
 
 /// Which half of the Earth the frame hangs on.
@@ -103,18 +103,16 @@ impl Calendar {
         let today = Day((today.0 + shift) % YEAR);
         let [turns, full, bare] = [self.turns, self.full, self.bare].map(|day| day.since(self.green));
         let since = today.since(self.green);
-        let minutes = |days: u16| i64::from(days) * 24 * 60;
-        let share = |from: u16, to: u16| {
-            let length = minutes(to.saturating_sub(from)).max(1);
-            let gone = (minutes(since - from) + i64::from(minute)).min(length);
-            Factor::from_bits(((gone << Factor::FRAC_NBITS) / length) as i32)
+        let minutes = |days: u16| u64::from(days) * 24 * 60;
+        let on_the_way = |from: (u16, Stage), to: (u16, Stage)| {
+            from.1.towards(to.1, minutes(since - from.0) + u64::from(minute), minutes(to.0 - from.0))
         };
         if since < turns {
-            Stage::default()
+            Stage::GREEN
         } else if since < full {
-            Stage::new(6 * share(turns, full))
+            on_the_way((turns, Stage::GREEN), (full, Stage::COLOURED))
         } else if since < bare {
-            Stage::new(Factor::from_num(6) + share(full, bare))
+            on_the_way((full, Stage::COLOURED), (bare, Stage::BARE))
         } else {
             Stage::BARE
         }
@@ -124,6 +122,7 @@ impl Calendar {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Factor;
 
     fn stage(calendar: Calendar, day: &str) -> Stage {
         calendar.stage(day.parse().unwrap(), 0)

@@ -8,7 +8,6 @@ use crate::{
     },
     effect::autumn::{KNOWN, PLATE_CELLS, PLATE_SIDE, Plates, STAGES, Species, Stage},
     frame::{Size, srgb},
-    math::Factor,
 };
 use std::{
     convert::Infallible,
@@ -76,14 +75,9 @@ impl Season {
 
     /// The stage when `done` frames of a film of `frames` were shown.
     pub(super) fn of_film(&self, done: u32, frames: u32) -> Stage {
-        between(self.stages.unwrap_or(Self::WHOLE), done.into(), u64::from(frames.max(2)) - 1)
+        let (from, to) = self.stages.unwrap_or(Self::WHOLE);
+        from.towards(to, done.into(), u64::from(frames.max(2)) - 1)
     }
-}
-
-/// The stage at `done` of `whole` on the way between two.
-fn between((from, to): (Stage, Stage), done: u64, whole: u64) -> Stage {
-    let share = Factor::from_bits(((done.min(whole) << Factor::FRAC_NBITS) / whole.max(1)) as i32);
-    from.towards(to, share)
 }
 
 /// The season of a show.
@@ -111,7 +105,8 @@ impl SeasonClock {
             }
             Season { stages, minutes } => {
                 let whole = u128::from(minutes.unwrap_or(Season::USUAL_MINUTES).max(1)) * 60_000;
-                between(stages.unwrap_or(Season::WHOLE), (now.as_millis() % whole) as u64, whole as u64)
+                let (from, to) = stages.unwrap_or(Season::WHOLE);
+                from.towards(to, (now.as_millis() % whole) as u64, whole as u64)
             }
         }
     }

@@ -190,9 +190,9 @@ fn each_value_of_the_default_text_is_the_default() {
         backlight: got.backlight.clone(),
         keys: got.keys.clone(),
         look: Look {
-            season: got.look.season,
             mask: got.look.mask.clone(),
             reference: got.look.reference.clone(),
+            season: got.look.season,
             ..default.look.clone()
         },
         ..default

@@ -16,7 +16,7 @@ const ARROWS: [(&str, &[&str]); 9] = [
     ("frame", &["math"]),
     ("input", &[]),
     ("effect", &["math", "noise", "frame"]),
-    ("config", &["math", "effect", "noise"]),
+    ("config", &["effect", "noise"]),
     ("display", &["frame"]),
     ("app", &["effect", "display", "input", "config", "math", "noise", "frame"]),
 ];

@@ -124,8 +124,8 @@ class Frame:
         self.wait("a black panel", 30, lambda: self.seen().is_black())
 
     def console_is(self, state):
-        """`yurameki probe` ends with who draws on the console that is seen."""
-        self.wait("the console %r" % state, 30, lambda: state in self.guest.shell("yurameki probe 2>/dev/null | tail -1")[1])
+        """`yurameki probe` says who draws on the console that is seen."""
+        self.wait("the console %r" % state, 30, lambda: state in self.guest.shell("yurameki probe 2>/dev/null")[1])
 
     def text_is_seen(self, tty):
         self.do("for i in $(seq 40); do echo line $i of text >/dev/%s; done" % tty)

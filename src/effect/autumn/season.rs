@@ -45,11 +45,13 @@ impl Stage {
         Self(bits.clamp(0, Self::BARE.0.into()) as u16)
     }
 
-    /// The stage at `share`, 0..=1, of the way from this one to `other`.
+    /// The stage at `done` of `whole` parts of the way from this one to `other`.
     #[must_use]
-    pub fn towards(self, other: Self, share: Factor) -> Self {
-        let way = (i64::from(other.0) - i64::from(self.0)) * i64::from(share.to_bits());
-        Self((i64::from(self.0) + (way >> Factor::FRAC_NBITS)).clamp(0, Self::BARE.0.into()) as u16)
+    pub fn towards(self, other: Self, done: u64, whole: u64) -> Self {
+        let whole = whole.max(1);
+        let way = i128::from(other.0) - i128::from(self.0);
+        let gone = way * i128::from(done.min(whole)) / i128::from(whole);
+        Self((i128::from(self.0) + gone) as u16)
     }
 }
 
