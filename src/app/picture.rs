@@ -9,6 +9,7 @@ use crate::{
         shimmer::{self, Shimmer},
     },
     frame::{Size, pack::Levels},
+    math::lanes::Lanes,
     noise::drive::Drive,
 };
 use core::ops::Range;
@@ -118,13 +119,20 @@ impl Moment for PictureMoment<'_> {
     }
 
     fn moving(&self, y: u32) -> impl Iterator<Item = Range<usize>> {
-        let (shimmer, kaleidoscope, autumn) = match self {
-            Self::Shimmer(moment) => (Some(moment.moving(y)), None, None),
-            Self::Kaleidoscope(moment) => (None, Some(moment.moving(y)), None),
-            Self::Autumn(moment) => (None, None, Some(moment.moving(y))),
-        };
-        let autumn = autumn.into_iter().flatten();
-        shimmer.into_iter().flatten().chain(kaleidoscope.into_iter().flatten()).chain(autumn)
+        match self {
+            Self::Shimmer(moment) => One::Shimmer(moment.moving(y)),
+            Self::Kaleidoscope(moment) => One::Kaleidoscope(moment.moving(y)),
+            Self::Autumn(moment) => One::Autumn(moment.moving(y)),
+        }
+    }
+
+    #[inline(always)]
+    fn colours<L: Lanes>(&self, columns: Range<usize>, y: u32) -> impl Iterator<Item = [L; 3]> {
+        match self {
+            Self::Shimmer(moment) => One::Shimmer(moment.colours(columns, y)),
+            Self::Kaleidoscope(moment) => One::Kaleidoscope(moment.colours(columns, y)),
+            Self::Autumn(moment) => One::Autumn(moment.colours(columns, y)),
+        }
     }
 
     #[inline]
@@ -133,6 +141,26 @@ impl Moment for PictureMoment<'_> {
             Self::Shimmer(moment) => moment.levels(x, y, levels),
             Self::Kaleidoscope(moment) => moment.levels(x, y, levels),
             Self::Autumn(moment) => moment.levels(x, y, levels),
+        }
+    }
+}
+
+/// What one of the effects gives.
+enum One<S, K, A> {
+    Shimmer(S),
+    Kaleidoscope(K),
+    Autumn(A),
+}
+
+impl<T, S: Iterator<Item = T>, K: Iterator<Item = T>, A: Iterator<Item = T>> Iterator for One<S, K, A> {
+    type Item = T;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<T> {
+        match self {
+            Self::Shimmer(items) => items.next(),
+            Self::Kaleidoscope(items) => items.next(),
+            Self::Autumn(items) => items.next(),
         }
     }
 }

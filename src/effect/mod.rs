@@ -13,7 +13,7 @@ pub use paint::Paint;
 
 use crate::{
     frame::{FrameMut, Size, pack::Levels},
-    math::Factor,
+    math::{Factor, lanes::Lanes},
     noise::drive::Drive,
 };
 use core::{fmt, ops::Range};
@@ -44,6 +44,15 @@ pub trait Moment {
 
     /// Fills `levels`, at most [`RUN`] of them, with the colours of the pixels from column `x` of row `y` on.
     fn levels(&self, x: usize, y: u32, levels: &mut Levels<'_>);
+
+    /// The colours of row `y`, a block of 16 pixels at a time, from the column where `columns` starts, a multiple of 16, until they are covered.
+    /// They are those of [`Moment::levels`], but may go beyond 0..=4080 where those are cut, and may be anything beyond the row.
+    ///
+    /// An effect that computes its pixels in lanes overrides this, `#[inline(always)]`.
+    #[inline(always)]
+    fn colours<L: Lanes>(&self, columns: Range<usize>, y: u32) -> impl Iterator<Item = [L; 3]> {
+        paint::Runs::new(self, columns, y)
+    }
 }
 
 /// The most pixels that are computed at a time: their levels stay in the first-level cache.

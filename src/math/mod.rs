@@ -3,11 +3,12 @@
 //! The fixed-point formats of the portable core, each named once. Knows numbers; knows no pixel, noise or device.
 //! Everything is integer arithmetic, so that results are identical on every machine.
 
+pub mod lanes;
 pub mod random;
 mod root;
 mod turns;
 
-pub(crate) use root::sqrt;
+pub(crate) use root::{sqrt, whole_root};
 pub use turns::Turns;
 
 /// A noise sample, and every state it is made of: of the order of one, in steps of 2^-40. A leak over 2^16 frames then errs by

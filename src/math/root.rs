@@ -36,6 +36,12 @@ pub(crate) fn sqrt(x: u64) -> u64 {
     (x * twice).min(ONE) >> pairs
 }
 
+/// The square root of a whole number below 2^40, to the nearest. Multiplications only, as above.
+pub(crate) fn whole_root(x: u64) -> u32 {
+    // √(x·2^24·2^-64) in units of 2^-63 is √x·2^43.
+    ((sqrt(x << 24) + (1 << 42)) >> 43) as u32
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -69,6 +75,12 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn whole_roots_are_the_nearest(x in 0..1_u64 << 40, shift in 0..40_u32) {
+            let x = x >> shift;
+            prop_assert_eq!(f64::from(whole_root(x)), (x as f64).sqrt().round());
+        }
+
         #[test]
         fn roots_are_within_the_stated_error(x in 1_u64.., shift in 0..64_u32) {
             let x = (x >> shift).max(1);

@@ -1,25 +1,31 @@
 //! From luma to the three heights of every pixel: centre C, in-phase P = A·cos α and quadrature Q = A·sin α.
 //!
-//! Heights are luma levels in Q7. They are left in the `v` planes of the slopes that [`super::relief`] makes of them.
+//! Heights are luma levels in Q7. They are left in the words of the v slopes that [`super::relief`] makes of them.
 
-use super::{Branch, Range, Settings, bands, sliding, storage::Planes};
-
-/// C = A = 127.5 of [`Range::Full`].
-const HALF_RANGE: i16 = 255 << 6;
+use super::{
+    Branch, Range, Settings, bands, sliding,
+    storage::{Block, Planes, Words},
+};
+use crate::math::{lanes::LANES, whole_root};
 
 /// The window of [`Range::Neighbourhood`] on a picture of up to 480 rows, in pixels to each side: 9 × 9. It grows with
 /// the picture ([`super::relief::scale`]).
 const RADIUS: i32 = 4;
 
-/// Fills the heights for the chosen range mode. `planes.mean_shade` holds the luma afterwards.
+/// Fills the heights for the chosen range mode. The words [`Words::Base`] hold the luma afterwards.
+#[inline(always)]
 pub(super) fn fill(planes: &mut Planes<'_>, settings: &Settings) {
-    let colours = planes.red.iter().zip(&*planes.green).zip(&*planes.blue);
-    for (luma, ((&r, &g), &b)) in planes.mean_shade.iter_mut().zip(colours) {
-        *luma = luma_q7(r, g, b);
+    for y in 0..planes.blocks.size.height as usize {
+        for Block { words, bytes: [_, red, green, blue] } in planes.blocks.row_mut(y) {
+            let luma = &mut words[Words::Base as usize];
+            for (((luma, &r), &g), &b) in luma.iter_mut().zip(&*red).zip(&*green).zip(&*blue) {
+                *luma = luma_q7(r, g, b);
+            }
+        }
     }
     match settings.range {
-        Range::Full => planes.centre.v.fill(HALF_RANGE),
-        Range::Neighbourhood => fill_neighbourhood(planes),
+        Range::Full => {}
+        Range::Neighbourhood => find_extremes(planes),
         Range::Travelling => return bands::fill(planes, settings.wind),
     }
     swing(planes, settings);
@@ -30,39 +36,50 @@ const fn luma_q7(r: u8, g: u8, b: u8) -> i16 {
     ((r as u32 * 218 + g as u32 * 732 + b as u32 * 74) >> 3) as i16
 }
 
-/// Largest and smallest luma around each pixel: C = (max + min)/2 into `centre.v`, A = (max − min)/2 into `cosine.v`.
-fn fill_neighbourhood(planes: &mut Planes<'_>) {
-    let radius = ((RADIUS * super::relief::scale(planes.size)) >> super::relief::SCALE_BITS) as usize;
-    let width = planes.size.width as usize;
-    let (running, suffix) = (&mut bytemuck::cast_slice_mut(planes.scratch)[..width], &mut *planes.sine.u);
-    let (largest, least) = (&mut *planes.centre.v, &mut *planes.cosine.v);
-    largest.copy_from_slice(planes.mean_shade);
-    sliding::maximum(radius, largest, suffix, running);
-    least.iter_mut().zip(&*planes.mean_shade).for_each(|(negative, &luma)| *negative = -luma);
-    sliding::maximum(radius, least, suffix, running);
-    for (largest, least) in largest.iter_mut().zip(least) {
-        let (max, min) = (i32::from(*largest), -i32::from(*least));
-        (*largest, *least) = (((max + min) >> 1) as i16, ((max - min) >> 1) as i16);
+/// Largest luma around each pixel into [`Words::CentreV`], least luma, negative, into [`Words::CosineV`].
+#[inline(always)]
+fn find_extremes(planes: &mut Planes<'_>) {
+    let radius = ((RADIUS * super::relief::scale(planes.blocks.size)) >> super::relief::SCALE_BITS) as usize;
+    let Planes { blocks, scratch, .. } = planes;
+    for y in 0..blocks.size.height as usize {
+        for Block { words, .. } in blocks.row_mut(y) {
+            let luma = words[Words::Base as usize];
+            words[Words::CentreV as usize] = luma;
+            words[Words::CosineV as usize] = luma.map(|luma| -luma);
+        }
+    }
+    for extreme in [Words::CentreV, Words::CosineV] {
+        sliding::maximum(radius, blocks, extreme, Words::SineU, scratch);
     }
 }
 
-/// From centre and amplitude to P and Q (eq. 3): Q = H(0) − C and P = ±sqrt(A² − Q²).
+/// From luma, and its extremes, to C, and to P and Q (eq. 3): Q = H(0) − C and P = ±sqrt(A² − Q²).
+#[inline(always)]
 fn swing(planes: &mut Planes<'_>, settings: &Settings) {
-    let width = planes.size.width as usize;
-    for (i, &luma) in planes.mean_shade.iter().enumerate() {
-        let amplitude = match settings.range {
-            Range::Full => HALF_RANGE,
-            _ => planes.cosine.v[i],
-        };
-        let (amplitude, quadrature) = (i32::from(amplitude), i32::from(luma - planes.centre.v[i]));
-        let in_phase = (amplitude * amplitude - quadrature * quadrature).max(0).isqrt() as i16;
-        let rises = match settings.branch {
-            Branch::Rising => true,
-            Branch::Falling => false,
-            Branch::Scattered => scatter((i % width) as u32, (i / width) as u32),
-        };
-        planes.sine.v[i] = if rises { in_phase } else { -in_phase };
-        planes.cosine.v[i] = quadrature as i16;
+    for y in 0..planes.blocks.size.height as usize {
+        for (x, Block { words, .. }) in (0..).step_by(LANES).zip(planes.blocks.row_mut(y)) {
+            for (lane, luma) in words[Words::Base as usize].into_iter().enumerate() {
+                let (max, min) = match settings.range {
+                    Range::Full => (255 << 7, 0),
+                    _ => (
+                        words[Words::CentreV as usize][lane].into(),
+                        -i32::from(words[Words::CosineV as usize][lane]),
+                    ),
+                };
+                let (centre, amplitude) = ((max + min) >> 1, (max - min) >> 1);
+                let quadrature = i32::from(luma) - centre;
+                let in_phase =
+                    whole_root((amplitude * amplitude - quadrature * quadrature).max(0) as u64) as i16;
+                let rises = match settings.branch {
+                    Branch::Rising => true,
+                    Branch::Falling => false,
+                    Branch::Scattered => scatter(x + lane as u32, y as u32),
+                };
+                words[Words::SineV as usize][lane] = if rises { in_phase } else { -in_phase };
+                words[Words::CosineV as usize][lane] = quadrature as i16;
+                words[Words::CentreV as usize][lane] = centre as i16;
+            }
+        }
     }
 }
 

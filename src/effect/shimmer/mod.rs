@@ -23,7 +23,7 @@
 //! 3. [`Range::Travelling`] is ours: the relief runs along the wind instead of pulsing in place.
 //! 4. The shade is compared with its mean over a cycle, S̄, not with the shade at rest, S(0): with S(0) a ghost of the resting
 //!    relief would be subtracted for ever. That frame 0 is the photo is seen to by the onset.
-//! 5. A relief steeper than 60° is flattened to 60°, at the steepest moment of its swing.
+//! 5. A relief steeper than 54.6° is flattened to that, at the steepest moment of its swing.
 
 pub mod automatic_mask;
 mod bands;
@@ -44,7 +44,10 @@ pub use storage::storage_len;
 use super::{Effect, Photo, StorageTooSmall};
 use crate::{
     frame::Size,
-    math::{Factor, Turns},
+    math::{
+        Factor, Turns,
+        lanes::{Lanes, Task, on_widest},
+    },
     noise::drive::Drive,
 };
 use storage::Planes;
@@ -134,10 +137,6 @@ pub struct Shimmer<S> {
     size: Size,
     storage: S,
     light: shade::Light,
-    /// m / L_z in Q13.
-    strength: i16,
-    /// Whether the centre's gradient is stored, because it is not zero.
-    centred: bool,
 }
 
 impl<S: AsMut<[u64]>> Shimmer<S> {
@@ -146,20 +145,33 @@ impl<S: AsMut<[u64]>> Shimmer<S> {
     /// # Panics
     /// If `photo.rgb` or `photo.mask` does not have the length that `photo.size` asks for.
     pub fn prepare(photo: Photo<'_>, settings: &Settings, mut storage: S) -> Result<Self, StorageTooSmall> {
-        let light = shade::Light::new(settings.light);
+        let light = shade::Light::new(settings.light, settings.strength);
         let mut planes = Planes::carve(photo.size, storage.as_mut())?;
         planes.fill_photo(photo);
-        height::fill(&mut planes, settings);
-        relief::fill(&mut planes, settings, light);
-        let centred = settings.range != Range::Full;
-        let strength = settings.strength.to_bits() as i64 * (1 << 14) / i64::from(light.up);
-        let strength = (strength >> 15).clamp(0, i64::from(i16::MAX)) as i16;
-        Ok(Self { size: photo.size, storage, light, strength, centred })
+        on_widest(Preparation { planes, settings, light });
+        Ok(Self { size: photo.size, storage, light })
     }
 
     /// Gives the memory back.
     pub fn into_storage(self) -> S {
         self.storage
+    }
+}
+
+/// What is left to do when the photo is in place.
+struct Preparation<'a, 'b> {
+    planes: Planes<'a>,
+    settings: &'b Settings,
+    light: shade::Light,
+}
+
+impl Task for Preparation<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) {
+        height::fill(&mut self.planes, self.settings);
+        relief::fill::<L>(&mut self.planes, self.settings, self.light);
     }
 }
 

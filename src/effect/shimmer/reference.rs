@@ -118,7 +118,7 @@ fn local_phase(luma: &Plane, scale: f64, wind: Turns) -> [Plane; 2] {
     [luma.map(|x, y| fine.at(x, y) + coarse.at(x, y)), blurs[0].minus(&blurs[2])]
 }
 
-/// The slopes of a pixel, from P, Q and C, flattened to 60°.
+/// The slopes of a pixel, from P, Q and C, flattened to 54.6°.
 type Slopes = [[f64; 2]; 3];
 
 /// A photo that shimmers, in float64.
@@ -135,7 +135,7 @@ impl Twin {
         let scale = (f64::from(photo.size.width.min(photo.size.height)) / 480.0).max(1.0);
         let steepness =
             settings.relief.to_num::<f64>() * scale / f64::from(settings.range.luma_for_45_degrees());
-        let steepest = 3_f64.sqrt();
+        let steepest = 1440.0 / 1024.0;
         let heights = heights(photo, settings);
         let slopes = (0..photo.size.pixels()).map(|i| {
             let (x, y) = ((i % heights[0].width) as isize, (i / heights[0].width) as isize);

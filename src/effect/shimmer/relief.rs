@@ -1,7 +1,18 @@
 //! From heights to slopes: what the light sees.
 
-use super::{Range, Settings, shade, storage::Planes};
-use crate::{frame::Size, math::Turns};
+use super::{
+    Range, Settings,
+    shade::{Light, ONE, SLOPE_ONE},
+    storage::{Block, Blocks, Bytes, Planes, Scratch, Words},
+};
+use crate::{
+    frame::Size,
+    math::{
+        Turns,
+        lanes::{LANES, Lanes},
+        whole_root,
+    },
+};
 
 /// Fractional bits of [`scale`].
 pub(super) const SCALE_BITS: u32 = 8;
@@ -14,22 +25,35 @@ pub(super) const fn scale(size: Size) -> i32 {
     if scale < 1 << SCALE_BITS { 1 << SCALE_BITS } else { scale }
 }
 
-/// Turns the heights (in the `v` planes) into slopes, and finds the mean shade.
-pub(super) fn fill(planes: &mut Planes<'_>, settings: &Settings, light: shade::Light) {
-    let axes = Axes::new(settings, planes.size);
-    let width = planes.size.width as usize;
-    let rows = bytemuck::cast_slice_mut::<i32, i16>(planes.scratch);
-    let (above, at) = rows[..2 * width].split_at_mut(width);
-    for slopes in [&mut planes.sine, &mut planes.cosine, &mut planes.centre] {
-        gradient(slopes.u, slopes.v, above, at, axes);
+/// Turns the heights (in the words of the v slopes) into slopes, and finds the gain in the mean shade.
+#[inline(always)]
+pub(super) fn fill<L: Lanes>(planes: &mut Planes<'_>, settings: &Settings, light: Light) {
+    let axes = Axes::new(settings, planes.blocks.size);
+    let Planes { blocks, scratch, .. } = planes;
+    for (u, v) in SLOPES {
+        gradient(blocks, u, v, scratch, axes);
     }
-    if settings.range == Range::Full {
-        planes.centre.u.fill(0);
-        planes.centre.v.fill(0);
-    }
-    for i in 0..planes.size.pixels() {
-        flatten(planes, i);
-        planes.mean_shade[i] = mean_shade(planes, i, light);
+    finish::<L>(blocks, light, settings.range == Range::Full);
+}
+
+/// The words of P's, Q's and C's slopes.
+const SLOPES: [(Words, Words); 3] =
+    [(Words::SineU, Words::SineV), (Words::CosineU, Words::CosineV), (Words::CentreU, Words::CentreV)];
+
+/// The last step, block by block.
+#[inline(always)]
+fn finish<L: Lanes>(blocks: &mut Blocks<'_>, light: Light, level_centre: bool) {
+    for y in 0..blocks.size.height as usize {
+        for block in blocks.row_mut(y) {
+            if level_centre {
+                block.words[Words::CentreU as usize] = [0; LANES];
+                block.words[Words::CentreV as usize] = [0; LANES];
+            }
+            flatten(block);
+            let mask = L::load_q7(block.bytes(Bytes::Mask));
+            let base = L::splat(ONE).minus(mean_shade::<L>(block, light).times(mask));
+            base.store(&mut block.words[Words::Base as usize]);
+        }
     }
 }
 
@@ -51,81 +75,117 @@ impl Axes {
         };
         Self { u: axis(settings.light.azimuth), v: axis(settings.light.azimuth.plus(Turns::QUARTER)) }
     }
+
+    /// The slopes at column x, in Q10, from the heights above, at and below it, of which left and right are the neighbours.
+    #[inline(always)]
+    fn slopes(self, [above, at, below]: [&[i16]; 3], x: usize, left: usize, right: usize) -> (i16, i16) {
+        let column = |x: usize| i32::from(above[x]) + 2 * i32::from(at[x]) + i32::from(below[x]);
+        let row = |row: &[i16]| i32::from(row[left]) + 2 * i32::from(row[x]) + i32::from(row[right]);
+        // Eight times the gradient in Q7, to Q8.
+        let (dx, dy) = ((column(right) - column(left)) >> 2, (row(below) - row(above)) >> 2);
+        let along = |axis: [i32; 2]| {
+            let slope = (dx * axis[0] + dy * axis[1]) >> (8 + 15 - STEEP_BITS);
+            slope.clamp(i16::MIN.into(), i16::MAX.into()) as i16
+        };
+        (along(self.u), along(self.v))
+    }
 }
 
 /// Fractional bits of a slope before [`flatten`]: room for ±32.
 const STEEP_BITS: u32 = 10;
 
 /// Replaces the heights in `v` (Q7) by slopes along the axes, Q10, saturated. The gradient is Sobel's, which smooths across the
-/// direction that it differentiates; edges are repeated. `above` and `at` keep the heights of rows that are already replaced.
-fn gradient(u: &mut [i16], v: &mut [i16], above: &mut [i16], at: &mut [i16], axes: Axes) {
-    let width = at.len();
-    let height = v.len() / width;
-    above.copy_from_slice(&v[..width]);
-    at.copy_from_slice(&v[..width]);
+/// direction that it differentiates; edges are repeated.
+#[inline(always)]
+fn gradient(blocks: &mut Blocks<'_>, u: Words, v: Words, scratch: &mut Scratch<'_>, axes: Axes) {
+    let ([mut above, mut at, mut below, along_u, along_v], _) = scratch.rows();
+    let height = blocks.size.height as usize;
+    blocks.read(v, 0, at);
+    above.copy_from_slice(at);
     for y in 0..height {
-        let (done, rest) = v.split_at_mut((y + 1) * width);
-        let out = &mut done[y * width..];
-        let below = if rest.is_empty() { &*at } else { &rest[..width] };
-        for x in 0..width {
-            let (left, right) = (x.saturating_sub(1), (x + 1).min(width - 1));
-            let column = |x: usize| i32::from(above[x]) + 2 * i32::from(at[x]) + i32::from(below[x]);
-            let row = |row: &[i16]| i32::from(row[left]) + 2 * i32::from(row[x]) + i32::from(row[right]);
-            // Eight times the gradient in Q7, to Q8.
-            let (dx, dy) = ((column(right) - column(left)) >> 2, (row(below) - row(above)) >> 2);
-            let along = |axis: [i32; 2]| {
-                let slope = (dx * axis[0] + dy * axis[1]) >> (8 + 15 - STEEP_BITS);
-                slope.clamp(i16::MIN.into(), i16::MAX.into()) as i16
-            };
-            (u[y * width + x], out[x]) = (along(axes.u), along(axes.v));
+        // Row y is replaced only after row y + 1 was read.
+        match y + 1 < height {
+            true => blocks.read(v, y + 1, below),
+            false => below.copy_from_slice(at),
         }
-        above.copy_from_slice(at);
-        if !rest.is_empty() {
-            at.copy_from_slice(&rest[..width]);
+        slopes_of_row([above, at, below], along_u, along_v, axes);
+        blocks.write(u, y, along_u);
+        blocks.write(v, y, along_v);
+        (above, at, below) = (at, below, above);
+    }
+}
+
+#[inline(always)]
+fn slopes_of_row(rows: [&[i16]; 3], along_u: &mut [i16], along_v: &mut [i16], axes: Axes) {
+    let width = along_u.len();
+    let rows = rows.map(|row| &row[..width]);
+    let along_v = &mut along_v[..width];
+    let last = width - 1;
+    (along_u[0], along_v[0]) = axes.slopes(rows, 0, 0, 1.min(last));
+    for x in 1..last {
+        (along_u[x], along_v[x]) = axes.slopes(rows, x, x - 1, x + 1);
+    }
+    (along_u[last], along_v[last]) = axes.slopes(rows, last, last.saturating_sub(1), last);
+}
+
+/// tan 54.6° in Q10: the steepest that the shade's polynomial is made for is √2, less some steps for rounding.
+const STEEPEST: u32 = 1440;
+
+/// Brings the slopes of a block from Q10 to units of 2^-14.5, flattened where centre and swing together could pass 54.6°.
+///
+/// |c + a·p + b·q| ≤ |c| + sqrt(|p|² + |q|²) for a² + b² ≤ 1; all three are scaled by the same factor, so that the swing keeps
+/// its shape.
+#[inline(always)]
+fn flatten(block: &mut Block) {
+    let slopes = block.words.first_chunk_mut::<6>();
+    let Some(slopes) = slopes else { return };
+    let mut rough = [0; LANES];
+    for words in &*slopes {
+        rough.iter_mut().zip(words).for_each(|(sum, word)| *sum += u32::from(word.unsigned_abs()));
+    }
+    let mut factors = [SLOPE_ONE; LANES];
+    for (lane, factor) in factors.iter_mut().enumerate().filter(|&(lane, _)| rough[lane] > STEEPEST) {
+        *factor = flattening(slopes.each_ref().map(|words| words[lane]));
+    }
+    for words in slopes {
+        for (word, factor) in words.iter_mut().zip(factors) {
+            *word = ((i32::from(*word) * factor) >> STEEP_BITS) as i16;
         }
     }
 }
 
-/// √3 = tan 60° in Q10, less one step for rounding: the steepest that the shade's polynomial is made for.
-const STEEPEST: u32 = 1773;
-
-/// Brings the slopes of pixel i to Q14, flattened where centre and swing together could pass 60°.
-///
-/// |c + a·p + b·q| ≤ |c| + sqrt(|p|² + |q|²) for a² + b² ≤ 1; all three are scaled by the same factor, so that the swing keeps
-/// its shape.
-fn flatten(planes: &mut Planes<'_>, i: usize) {
-    let [p, q, c] = [&mut planes.sine, &mut planes.cosine, &mut planes.centre];
-    let mut slopes = [&mut p.u[i], &mut p.v[i], &mut q.u[i], &mut q.v[i], &mut c.u[i], &mut c.v[i]];
-    let rough: u32 = slopes.iter().map(|s| u32::from(s.unsigned_abs())).sum();
-    let factor = if rough <= STEEPEST {
-        1 << 14
-    } else {
-        let square = |s: i16| (i32::from(s) * i32::from(s)) as u32 >> 3;
-        let [pu, pv, qu, qv, cu, cv] = slopes.each_ref().map(|s| square(**s));
-        // Squares are an eighth, so that four of them fit 32 bits; 2.83 = √8 in Q10.
-        let steepest = (((pu + pv + qu + qv).isqrt() + (cu + cv).isqrt()) * 2897) >> 10;
-        (STEEPEST << 14).checked_div(steepest).map_or(1 << 14, |factor| factor.min(1 << 14))
-    };
-    for slope in &mut slopes {
-        **slope = ((i32::from(**slope) * factor as i32) >> STEEP_BITS) as i16;
-    }
+/// The factor that flattens a pixel's slopes, in units of 2^-14.5.
+#[inline(always)]
+fn flattening(slopes: [i16; 6]) -> i32 {
+    let [pu, pv, qu, qv, cu, cv] = slopes.map(|s| (i32::from(s) * i32::from(s)) as u64);
+    let steepest = whole_root(pu + pv + qu + qv) + whole_root(cu + cv);
+    let flattened = (STEEPEST * SLOPE_ONE as u32).checked_div(steepest);
+    flattened.map_or(SLOPE_ONE, |factor| SLOPE_ONE.min(factor as i32))
 }
 
 /// The swing at which the mean shade is taken: the root mean square of X_A, which has mean 1/2 and deviation 1/6
 /// ([`crate::noise::drive`]): sqrt(1/4 + 1/36) = 0.527, Q15.
 const TYPICAL_SWING: i16 = 17_270;
 
-/// The mean of the shade over the phases 0°, 90°, 180°, 270°: exact to the third order of the slopes.
-fn mean_shade(planes: &Planes<'_>, i: usize, light: shade::Light) -> i16 {
-    let swings = [(TYPICAL_SWING, 0), (0, TYPICAL_SWING), (-TYPICAL_SWING, 0), (0, -TYPICAL_SWING)];
-    let sum: i32 = swings
-        .iter()
-        .map(|&(a, b)| {
-            let [p, q, c] = [&planes.sine, &planes.cosine, &planes.centre];
-            let u = shade::slope(a, p.u[i], b, q.u[i], c.u[i]);
-            let v = shade::slope(a, p.v[i], b, q.v[i], c.v[i]);
-            i32::from(light.shade(u, v))
-        })
-        .sum();
-    (sum / 4) as i16
+/// The mean of the shade over the phases 0°, 90°, 180°, 270°: exact to the third order of the slopes. k·S̄ in Q12.
+#[inline(always)]
+fn mean_shade<L: Lanes>(block: &Block, light: Light) -> L {
+    let centre = [L::load(block.words(Words::CentreU)), L::load(block.words(Words::CentreV))];
+    let p = [L::load(block.words(Words::SineU)), L::load(block.words(Words::SineV))];
+    let q = [L::load(block.words(Words::CosineU)), L::load(block.words(Words::CosineV))];
+    mean(mean_of_opposites(p, centre, light), mean_of_opposites(q, centre, light))
+}
+
+/// The mean of the shades where the swing is on one side and on the other.
+#[inline(always)]
+fn mean_of_opposites<L: Lanes>(swing: [L; 2], centre: [L; 2], light: Light) -> L {
+    let typical = L::splat(TYPICAL_SWING);
+    let (u, v) = (swing[0].times(typical), swing[1].times(typical));
+    let ahead = light.shade(centre[0].plus(u), centre[1].plus(v));
+    mean(ahead, light.shade(centre[0].minus(u), centre[1].minus(v)))
+}
+
+#[inline(always)]
+fn mean<L: Lanes>(a: L, b: L) -> L {
+    a.plus(b).times(L::splat(1 << 14))
 }

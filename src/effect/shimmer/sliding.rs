@@ -4,73 +4,112 @@
 //! block's start (prefix) and one running from its end (suffix), the maximum of any window is that of one suffix and one
 //! prefix: three comparisons a pixel and direction. At the edges the window is cut off.
 
+use super::storage::{Block, Blocks, Scratch, Words};
+use crate::math::lanes::LANES;
+
 /// Less than any height.
 const NONE: i16 = i16::MIN;
 
-/// Replaces every pixel of `plane` by the maximum over the window of `radius` around it. Scratch: `suffix`, as long as the plane,
-/// and `running`, as long as a row.
-pub(super) fn maximum(radius: usize, plane: &mut [i16], suffix: &mut [i16], running: &mut [i16]) {
-    for row in plane.chunks_exact_mut(running.len()) {
-        along_row(radius, row, suffix);
+/// Replaces every pixel of `plane` by the maximum over the window of `radius` around it. `suffix` is scratch.
+#[inline(always)]
+pub(super) fn maximum(
+    radius: usize,
+    blocks: &mut Blocks<'_>,
+    plane: Words,
+    suffix: Words,
+    scratch: &mut Scratch<'_>,
+) {
+    let ([row, prefixes, suffixes], _) = scratch.rows();
+    for y in 0..blocks.size.height as usize {
+        blocks.read(plane, y, row);
+        along_row(radius, row, prefixes, suffixes);
+        blocks.write(plane, y, row);
     }
-    along_columns(radius, plane, suffix, running);
+    along_columns(radius, blocks, plane, suffix, row, prefixes);
+}
+
+#[inline(always)]
+fn along_row(radius: usize, row: &mut [i16], prefixes: &mut [i16], suffixes: &mut [i16]) {
+    let (width, window) = (row.len(), 2 * radius + 1);
+    for ((row, prefixes), suffixes) in
+        row.chunks(window).zip(prefixes.chunks_mut(window)).zip(suffixes.chunks_mut(window))
+    {
+        let mut running = NONE;
+        for (prefix, &h) in prefixes.iter_mut().zip(row) {
+            running = running.max(h);
+            *prefix = running;
+        }
+        running = NONE;
+        for (suffix, &h) in suffixes.iter_mut().zip(row).rev() {
+            running = running.max(h);
+            *suffix = running;
+        }
+    }
+    // The window of x starts in the first block for x < 2·radius + 1, and is cut off at its start for x < radius.
+    for x in 0..radius.min(width) {
+        row[x] = prefixes[(x + radius).min(width - 1)];
+    }
+    for (row, (&suffix, &prefix)) in
+        row.iter_mut().skip(radius).zip(suffixes.iter().zip(prefixes.iter().skip(2 * radius)))
+    {
+        *row = suffix.max(prefix);
+    }
+    // Where it is cut off at its end: the last block, which the window may start in, has no more than what remains.
+    let last = (width - 1) / window * window;
+    for x in width.saturating_sub(radius).max(radius)..width {
+        let suffix = suffixes[x - radius];
+        row[x] = if x - radius < last { suffix.max(prefixes[width - 1]) } else { suffix };
+    }
 }
 
 // Positions are shifted by the radius, so that none is negative: window i covers the shifted positions i..=i + 2·radius, and
-// shifted position j is pixel j − radius where there is one. A block starts where j is a multiple of the window.
+// shifted position j is row j − radius where there is one. A block starts where j is a multiple of the window.
 
-fn along_row(radius: usize, row: &mut [i16], suffix: &mut [i16]) {
-    let (width, window) = (row.len(), 2 * radius + 1);
-    let pixel =
-        |row: &[i16], j: usize| j.checked_sub(radius).and_then(|x| row.get(x)).copied().unwrap_or(NONE);
-    let mut running = NONE;
-    for j in (0..width + 2 * radius).rev() {
-        let before = if j % window == window - 1 { NONE } else { running };
-        running = before.max(pixel(row, j));
-        if j < width {
-            suffix[j] = running;
-        }
-    }
-    for j in 0..width + 2 * radius {
-        let before = if j % window == 0 { NONE } else { running };
-        running = before.max(pixel(row, j));
-        if let Some(x) = j.checked_sub(2 * radius) {
-            row[x] = running.max(suffix[x]);
-        }
-    }
-}
-
-fn along_columns(radius: usize, plane: &mut [i16], suffix: &mut [i16], running: &mut [i16]) {
-    let (width, window) = (running.len(), 2 * radius + 1);
-    let height = plane.len() / width;
-    let take = |running: &mut [i16], plane: &[i16], j: usize, restart: bool| {
+#[inline(always)]
+fn along_columns(
+    radius: usize,
+    blocks: &mut Blocks<'_>,
+    plane: Words,
+    suffix: Words,
+    row: &mut [i16],
+    running: &mut [i16],
+) {
+    let (height, window) = (blocks.size.height as usize, 2 * radius + 1);
+    let mut take = |running: &mut [i16], blocks: &Blocks<'_>, j: usize, restart: bool| {
         if restart {
             running.fill(NONE);
         }
-        let row = j.checked_sub(radius).filter(|&y| y < height);
-        if let Some(y) = row {
-            running.iter_mut().zip(&plane[y * width..]).for_each(|(max, &h)| *max = h.max(*max));
+        if let Some(y) = j.checked_sub(radius).filter(|&y| y < height) {
+            blocks.read(plane, y, row);
+            running.iter_mut().zip(&*row).for_each(|(max, &h)| *max = h.max(*max));
         }
     };
     for j in (0..height + 2 * radius).rev() {
-        take(running, plane, j, j % window == window - 1 || j == height + 2 * radius - 1);
+        take(running, blocks, j, j % window == window - 1 || j == height + 2 * radius - 1);
         if j < height {
-            suffix[j * width..][..width].copy_from_slice(running);
+            blocks.write(suffix, j, running);
         }
     }
     for j in 0..height + 2 * radius {
-        take(running, plane, j, j % window == 0);
+        take(running, blocks, j, j % window == 0);
         if let Some(y) = j.checked_sub(2 * radius) {
-            let row = &mut plane[y * width..][..width];
-            let tails = running.iter().zip(&suffix[y * width..]);
-            row.iter_mut().zip(tails).for_each(|(out, (&head, &tail))| *out = head.max(tail));
+            let blocks = blocks.row_mut(y).iter_mut();
+            for (head, Block { words, .. }) in running.chunks(LANES).zip(blocks) {
+                let tail = words[suffix as usize];
+                let out = &mut words[plane as usize];
+                out.iter_mut().zip(head).zip(tail).for_each(|((out, &head), tail)| *out = head.max(tail));
+            }
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{
+        super::storage::{Planes, storage_len},
+        *,
+    };
+    use crate::frame::Size;
     use proptest::prelude::*;
 
     proptest! {
@@ -87,8 +126,16 @@ mod tests {
                 let columns = x.saturating_sub(radius)..(x + radius + 1).min(width);
                 rows.flat_map(|y| columns.clone().map(move |x| (x, y))).map(|(x, y)| plane[y * width + x]).max().unwrap()
             }).collect();
-            let (mut suffix, mut running) = (vec![0; width * height], vec![0; width]);
-            maximum(radius, &mut plane, &mut suffix, &mut running);
+            let size = Size::new(width as u32, height as u32);
+            let mut storage = vec![0; storage_len(size)];
+            let Planes { mut blocks, mut scratch, .. } = Planes::carve(size, &mut storage).unwrap();
+            for (y, row) in plane.chunks(width).enumerate() {
+                blocks.write(Words::Base, y, row);
+            }
+            maximum(radius, &mut blocks, Words::Base, Words::SineU, &mut scratch);
+            for (y, row) in plane.chunks_mut(width).enumerate() {
+                blocks.read(Words::Base, y, row);
+            }
             prop_assert_eq!(plane, naive);
         }
     }
