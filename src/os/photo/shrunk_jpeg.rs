@@ -1,8 +1,8 @@
 //! JPEG photos that are shrunk to a half, a quarter or an eighth while they are decoded.
 //!
 //! Where the panel is much smaller than the photo, an inverse transform of 4, 2 or 1 samples a side instead of 8 leaves out the
-//! detail that the panel could not show: 24 megapixels for 1920×1080 took 79 ms instead of 103 to 147 with the decoder for
-//! whole photos, and 36 MB instead of 72; for 1024×600 58 ms and 9 MB.
+//! detail that the panel could not show: 24 megapixels for 1920×1080 took 87 ms instead of 110 with the decoder for whole photos,
+//! and 36 MB instead of 72; for 1024×600 63 ms and 9 MB (one core of a server, November 2026).
 
 use super::{Limits, format::JpegOutline};
 use crate::{frame::Size, os::panics::without_panic};

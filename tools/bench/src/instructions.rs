@@ -31,6 +31,14 @@ pub(crate) fn check() -> Result<bool, Box<dyn Error>> {
         println!("skipped: there is no valgrind to count instructions with");
         return Ok(true);
     }
+    #[cfg(target_arch = "x86_64")]
+    let has_avx2 = is_x86_feature_detected!("avx2");
+    #[cfg(not(target_arch = "x86_64"))]
+    let has_avx2 = false;
+    if !has_avx2 {
+        println!("skipped: the ceilings are those of a processor with AVX2");
+        return Ok(true);
+    }
     let mut all_below = true;
     for line in CEILINGS.lines().filter(|line| !line.starts_with('#')) {
         let (task, ceiling) = line.rsplit_once(' ').ok_or("ceilings.txt: a line without a number")?;

@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn entropy_is_that_of_the_colours() {
         let colours: Vec<Colour> =
-            (0..4_096).map(|i| [0, 60, 120, 180].map(|x| [x, 255 - x, 7])[i % 4]).collect();
+            (0..4_096).map(|i| [0, 60, 120, 180].map(|x| [x, 255 - x, 7])[i / 1_024]).collect();
         let palette = Palette::of(&colours);
         assert!((palette.entropy(&colours) - 4_f64.ln()).abs() < 1e-9);
         assert_eq!(palette.entropy(&colours[..1]), 0.);
