@@ -3,10 +3,11 @@
 use super::{
     Failure,
     config::Config,
-    scene::{self, Scene, Source, Way},
+    scene::{self, Colours, Scene, Source, Way},
 };
 use crate::{
     app::{Picture, playlist::PhotoId},
+    config::EffectChoice,
     frame::Size,
     noise::drive,
 };
@@ -28,6 +29,8 @@ pub(super) struct Living {
     pub(super) picture: Picture<Vec<u64>>,
     /// How it lives.
     pub(super) way: Way,
+    /// The photo whose colours a kaleidoscope was asked to take.
+    pub(super) colours: Option<PathBuf>,
     /// The noises and times of the photo's own look.
     pub(super) drive: drive::Settings,
     /// How long it is to be shown.
@@ -36,13 +39,18 @@ pub(super) struct Living {
     pub(super) stale: bool,
 }
 
+impl Living {
+    pub(super) fn is_kaleidoscope(&self) -> bool {
+        self.way.effect == EffectChoice::Kaleidoscope
+    }
+}
+
 /// A photo to be loaded.
 struct Order {
     id: PhotoId,
     /// `None` is the demo photo.
     path: Option<PathBuf>,
-    /// The photo whose colours a kaleidoscope takes.
-    other: Option<PathBuf>,
+    colours: Option<Colours>,
     /// How it is to live, where a button has chosen that.
     way: Option<Way>,
     size: Size,
@@ -95,19 +103,18 @@ impl Loader {
         self.at.is_some()
     }
 
-    /// Orders a photo for a panel of `size`, as `config` says; without a path, the demo photo. A kaleidoscope takes the colours of
-    /// the `other` one.
+    /// Orders a photo for a panel of `size`, as `config` says; without a path, the demo photo. A kaleidoscope takes `colours`.
     pub(super) fn order(
         &mut self,
         id: PhotoId,
         path: Option<PathBuf>,
-        other: Option<PathBuf>,
+        colours: Option<Colours>,
         way: Option<Way>,
         size: Size,
         config: &Arc<Config>,
     ) {
         let (storage, config) = (self.spare.pop().unwrap_or_default(), Arc::clone(config));
-        let order = Order { id, path, other, way, size, storage, config };
+        let order = Order { id, path, colours, way, size, storage, config };
         self.at = self.orders.send(order).is_ok().then_some(id);
         self.cancelled = false;
     }
@@ -140,15 +147,16 @@ impl Loader {
 }
 
 fn load(order: Order) -> Result<Living, Failure> {
-    let Order { id, path, other, way, size, storage, config } = order;
+    let Order { id, path, colours, way, size, storage, config } = order;
     let source = path.as_deref().map_or(Source::Demo, Source::File);
-    let scene = Scene::load_as(source, other.as_deref(), way, size, &config)?;
+    let scene = Scene::load_as(source, colours, way, size, &config)?;
     let life = scene::turned(scene.look().life.at(config.frames_per_second), config.rotation);
     Ok(Living {
         id,
         caption: scene.caption().to_owned(),
         size,
         way: scene.way(),
+        colours: scene.colours().map(Into::into),
         picture: scene.prepare(&life, storage)?,
         drive: life.drive,
         seconds: scene.look().seconds,

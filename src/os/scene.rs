@@ -21,7 +21,7 @@ use crate::{
     math::Turns,
 };
 use log::Level;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Which photo.
 #[derive(Clone, Copy, Debug)]
@@ -62,6 +62,15 @@ impl Way {
     }
 }
 
+/// The photo whose colours a kaleidoscope is to take.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Colours {
+    /// Where the configuration names no other.
+    Offered(PathBuf),
+    /// By a button, which goes before the configuration.
+    Chosen(PathBuf),
+}
+
 /// A photo and its mask at the panel's size, turned as the panel is mounted.
 #[derive(Debug)]
 pub struct Scene {
@@ -71,6 +80,8 @@ pub struct Scene {
     mask: Vec<u8>,
     look: Look,
     reference: Option<photo::Photo>,
+    /// Where the photo is whose colours were asked for; one that is bad is not the `reference`.
+    colours: Option<PathBuf>,
     tree: Option<Grove>,
 }
 
@@ -103,11 +114,10 @@ impl Scene {
         Self::load_as(source, None, None, size, config)
     }
 
-    /// As [`Self::load`]; a kaleidoscope takes the colours of the photo at `other` where nobody has chosen others. It lives in the `way`
-    /// that a button has chosen.
+    /// As [`Self::load`]; a kaleidoscope takes `colours`, and the photo lives in the `way` that a button has chosen.
     pub(super) fn load_as(
         source: Source<'_>,
-        other: Option<&Path>,
+        colours: Option<Colours>,
         way: Option<Way>,
         size: Size,
         config: &Config,
@@ -127,31 +137,50 @@ impl Scene {
             Source::File(path) => photo::load(path, &options)?,
             Source::Demo => photo::from_bytes("the demo photo", DEMO, &options)?,
         };
+        let colours = match (colours, &look.reference) {
+            _ if look.effect != EffectChoice::Kaleidoscope => None,
+            (Some(Colours::Offered(_)) | None, Some(written)) => Some(written.clone()),
+            (Some(Colours::Chosen(path) | Colours::Offered(path)), _) => Some(path),
+            (None, None) => None,
+        };
         let (mask, reference) = match look.effect {
             EffectChoice::Shimmer | EffectChoice::Autumn => {
                 (choose_mask(source, &photo, &look, &options.limits)?, None)
             }
             // All of it moves.
             EffectChoice::Kaleidoscope => {
-                (vec![255; upright.pixels()], load_reference(other, &look, &options.limits)?)
+                (vec![255; upright.pixels()], load_reference(colours.as_deref(), &look, &options.limits)?)
             }
         };
-        let caption = match source {
+        let mut caption = match source {
             Source::File(path) => caption::of_file(path),
             Source::Demo => "\"Forest\" by Moritz Reisinger\nCC BY-SA 3.0".into(),
         };
+        if let Some(path) = colours.as_ref().filter(|_| reference.is_some()) {
+            caption += "\nin the colours of ";
+            caption += &caption::name_of(path);
+        }
         let grove = || Grove::load(&look, matches!(source, Source::File(_)));
         let tree = (look.effect == EffectChoice::Autumn).then(grove).transpose()?;
         if rotation == Rotation::None {
-            return Ok(Self { caption, size, rgb: photo.rgb, mask, look, reference, tree });
+            return Ok(Self { caption, size, rgb: photo.rgb, mask, look, reference, colours, tree });
         }
         let (mut rgb, mut turned_mask) = (vec![[0; 3]; size.pixels()], vec![0; size.pixels()]);
         rotate(rotation, photo.rgb.as_chunks::<3>().0, upright, &mut rgb);
         rotate(rotation, &mask, upright, &mut turned_mask);
-        Ok(Self { caption, size, rgb: rgb.into_flattened(), mask: turned_mask, look, reference, tree })
+        Ok(Self {
+            caption,
+            size,
+            rgb: rgb.into_flattened(),
+            mask: turned_mask,
+            look,
+            reference,
+            colours,
+            tree,
+        })
     }
 
-    /// What the information on the picture says of the photo: a line or two.
+    /// What the information on the picture says of the photo: a line or a few.
     pub fn caption(&self) -> &str {
         &self.caption
     }
@@ -164,6 +193,11 @@ impl Scene {
     /// The effect, and its mode.
     pub(super) const fn way(&self) -> Way {
         Way { effect: self.look.effect, mode: self.look.life.kaleidoscope.mode }
+    }
+
+    /// The photo whose colours were asked for.
+    pub(super) fn colours(&self) -> Option<&Path> {
+        self.colours.as_deref()
     }
 
     /// The photo with the effect that was chosen for it, which lives as `life` says.
@@ -208,16 +242,17 @@ pub(super) fn turned(mut life: Life, rotation: Rotation) -> Life {
 /// A reference is looked at no more closely than this.
 const REFERENCE_SIZE: Size = Size::new(1024, 1024);
 
-/// The photo whose colours are taken: the one that was chosen, else the `other` one. That one may be as bad as any of a show.
+/// The photo at `colours`. One that the configuration names must be good; any other may be as bad as any of a show.
 fn load_reference(
-    other: Option<&Path>,
+    colours: Option<&Path>,
     look: &Look,
     limits: &photo::Limits,
 ) -> Result<Option<photo::Photo>, Failure> {
-    if let Some(chosen) = &look.reference {
-        return Ok(Some(photo::load_within(chosen, REFERENCE_SIZE, limits)?));
+    let Some(path) = colours else { return Ok(None) };
+    match photo::load_within(path, REFERENCE_SIZE, limits) {
+        Err(error) if look.reference.as_deref() == Some(path) => Err(error.into()),
+        loaded => Ok(loaded.ok()),
     }
-    Ok(other.and_then(|path| photo::load_within(path, REFERENCE_SIZE, limits).ok()))
 }
 
 /// The mask that was asked for; without a word, the one beside the photo, else the automatic one.

@@ -152,3 +152,24 @@ fn two_photos_of_a_folder_are_shown_and_the_effect_button_changes_the_way() {
     let (code, _, error) = run(&words);
     assert_eq!(code, Some(0), "{error}");
 }
+
+#[test]
+fn the_reference_button_goes_through_the_other_photos_of_the_folder() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (from, to) in [("demo.jpg", "a.jpg"), ("drawn.png", "b.png"), ("grey.png", "c.png")] {
+        fs::copy(data(from), path(&folder, to)).expect("a copy");
+    }
+    let script = path(&folder, "script");
+    fs::write(&script, "3 right long\n9 right long\n15 right long\n").expect("a script");
+    let photos = folder.path().to_str().expect("text");
+    let run = |effect| {
+        let words = ["run", photos, "--effect", effect, "--display", "sim:96x64", "--fps", "60"];
+        let (code, _, error) = run(&[&words[..], &["--frames", "40", "--script", &script]].concat());
+        assert_eq!(code, Some(0), "{error}");
+        let lines = error.lines().filter(|line| line.contains("a.jpg: from now on in the colours of"));
+        lines.map(|line| line.rsplit('/').next().expect("a name").to_owned()).collect::<Vec<_>>()
+    };
+    // It begins with those of the photo that comes next.
+    assert_eq!(run("kaleidoscope"), ["c.png", "b.png", "c.png"]);
+    assert_eq!(run("shimmer"), [""; 0], "there is nothing to give them to");
+}
