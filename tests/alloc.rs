@@ -132,11 +132,11 @@ fn a_kaleidoscope_is_prepared_and_shows_its_frames_without_the_heap() {
         let settings = kaleidoscope::Settings { mode, ..Default::default() };
         let mut storage = vec![0; kaleidoscope::storage_len(SIZE, &settings)];
         let prepared =
-            calls(|| Kaleidoscope::prepare(photo, reference, &settings, &mut storage[..]).map(drop));
+            calls(|| Kaleidoscope::prepare(photo, reference, &settings, &mut storage[..], |_| ()).map(drop));
         assert_eq!(prepared, 0, "{name}: preparing takes the heap");
 
-        let mut kaleidoscope =
-            Kaleidoscope::prepare(photo, reference, &settings, &mut storage[..]).expect("enough storage");
+        let mut kaleidoscope = Kaleidoscope::prepare(photo, reference, &settings, &mut storage[..], |_| ())
+            .expect("enough storage");
         let mut lent = Sim::new(&mut memory[..], layout, Buffering::Double, 0).expect("enough memory");
         let mut show = Show::new(Life::default().drive, 12, 1);
         let shown = calls(|| {

@@ -10,7 +10,7 @@ use super::{
     stdout::print_line,
 };
 use crate::{
-    app::Show,
+    app::{Picture, Show},
     display::sim::{self, Buffering, Sim},
     frame::Layout,
 };
@@ -49,10 +49,15 @@ fn film(args: &args::Render, source: Source<'_>) -> Result<(), Failure> {
     let config = Config { typed: args.look.clone(), ..Config::default() };
     let scene = Scene::load(source, args.size, &config)?;
     let life = scene.look().life.at(args.fps);
-    let mut picture = scene.prepare(&life, Vec::new())?;
+    let mut picture = scene.prepare(&life, Vec::new(), |_| ())?;
     let memory = vec![0; sim::memory_len(layout, Buffering::Single)];
     let mut panel = Sim::new(memory, layout, Buffering::Single, 0)?;
     let mut show = Show::new(life.drive, args.fps, args.look.seed.unwrap_or(config.seed));
+
+    if args.frames == 1 && matches!(picture, Picture::Kaleidoscope(_)) {
+        // There is no second frame in which it could come out of the photo.
+        show.come_alive();
+    }
 
     let open = |target: &Target| Writer::create(target, args.size, args.rate(), args.frames);
     let mut writer = args.out.as_ref().map(open).transpose()?;

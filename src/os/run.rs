@@ -181,6 +181,7 @@ impl Running {
             }
             let brightness = self.dimmer.turn(self.clock.elapsed(), &mut self.panel);
             self.show.set_brightness(brightness);
+            self.service.set_encoding(self.loader.encoding());
             match self.turn() {
                 Ok(true) => {
                     self.panel.note_lateness(self.clock.elapsed().saturating_sub(self.pace.deadline()));
@@ -225,7 +226,10 @@ impl Running {
         };
         current.picture.set_stage(self.season.stage(self.clock.elapsed()));
         let leaving = self.leaving.as_mut().map(|leaving| &mut leaving.picture);
-        self.show.turn_from(leaving, &mut current.picture, &current.caption, &mut self.panel)?;
+        let encoding = self.loader.encoding();
+        let longer = encoding.map(|encoding| format!("{}\n{encoding}", current.caption));
+        let caption = longer.as_deref().unwrap_or(&current.caption);
+        self.show.turn_from(leaving, &mut current.picture, caption, &mut self.panel)?;
         let name = current.caption.lines().next().unwrap_or_default();
         self.service.shown(Instant::now(), name, self.show.noises(), self.show.is_paused());
         self.dimmer.shown();

@@ -160,6 +160,13 @@ impl Scene {
             caption += "\nin the colours of ";
             caption += &caption::name_of(path);
         }
+        let reference = match reference {
+            // Its own colours, as the person sees it: seen by the panel's side, others would be chosen.
+            None if look.effect == EffectChoice::Kaleidoscope && rotation != Rotation::None => {
+                Some(photo.clone())
+            }
+            reference => reference,
+        };
         let grove = || Grove::load(&look, matches!(source, Source::File(_)));
         let tree = (look.effect == EffectChoice::Autumn).then(grove).transpose()?;
         if rotation == Rotation::None {
@@ -200,11 +207,17 @@ impl Scene {
         self.colours.as_deref()
     }
 
-    /// The photo with the effect that was chosen for it, which lives as `life` says.
+    /// The photo with the effect that was chosen for it, which lives as `life` says. `progress` is told how much of a kaleidoscope is
+    /// coded, in per cent.
     ///
     /// # Errors
     /// If there is less memory than that takes.
-    pub fn prepare(&self, life: &Life, mut storage: Vec<u64>) -> Result<Picture<Vec<u64>>, Failure> {
+    pub fn prepare(
+        &self,
+        life: &Life,
+        mut storage: Vec<u64>,
+        progress: impl FnMut(u8),
+    ) -> Result<Picture<Vec<u64>>, Failure> {
         let effect = self.look.effect;
         let needed = Picture::<Vec<u64>>::storage_len(effect, self.size, life);
         storage.try_reserve_exact(needed.saturating_sub(storage.len()))?;
@@ -221,7 +234,7 @@ impl Scene {
             (EffectChoice::Kaleidoscope, _) => Subject::Kaleidoscope(self.photo(), reference),
             (EffectChoice::Shimmer | EffectChoice::Autumn, _) => Subject::Shimmer(self.photo()),
         };
-        Ok(Picture::prepare(subject, life, storage)?)
+        Ok(Picture::prepare(subject, life, storage, progress)?)
     }
 
     /// What an effect is prepared from.
@@ -230,12 +243,13 @@ impl Scene {
     }
 }
 
-/// The life of a picture whose panel is mounted turned: light and wind turn with the picture.
+/// The life of a picture whose panel is mounted turned: light and wind turn with the picture, and a kaleidoscope is coded upright.
 pub(super) fn turned(mut life: Life, rotation: Rotation) -> Life {
     let turn = Turns::from_degrees(rotation.degrees() as i32);
     let shimmer = &mut life.shimmer;
     shimmer.light.azimuth = shimmer.light.azimuth.plus(turn);
     shimmer.wind = shimmer.wind.plus(turn);
+    life.kaleidoscope.rotation = rotation;
     life
 }
 
@@ -393,6 +407,39 @@ mod tests {
         let mut picture = vec![[0; 3]; panel.pixels()];
         rotate(rotation.inverse(), bytes.as_chunks::<3>().0, panel, &mut picture);
         picture
+    }
+
+    /// The demo photo as a kaleidoscope of its own colours after a few frames on a panel that is mounted turned, seen upright.
+    fn upright_kaleidoscope(size: Size, rotation: Rotation) -> Vec<[u8; 3]> {
+        let typed =
+            Words::parse_from(["", "--effect", "kaleidoscope", "--mode", "tonal", "--search", "none"]);
+        let config = Config { typed: typed.look, rotation, ..Config::default() };
+        let panel = rotation.turned(size);
+        let scene = Scene::load(Source::Demo, panel, &config).unwrap();
+        let life = turned(scene.look().life, rotation);
+        let mut picture = scene.prepare(&life, Vec::new(), |_| ()).unwrap();
+        let layout = Layout::new(panel, PixelFormat::Bgr888, None).unwrap();
+        let mut bytes = vec![0; layout.len_bytes()];
+        for frame in 0..20 {
+            let phase = Turns::from_degrees(frame * 40);
+            let drive = Drive { amplitude: Factor::ONE, frequency: Factor::ONE, phase, onset: Factor::ONE };
+            picture.render(drive, Paint::Everything, &mut FrameMut::new(&mut bytes, layout).unwrap());
+        }
+        let mut seen = vec![[0; 3]; panel.pixels()];
+        rotate(rotation.inverse(), bytes.as_chunks::<3>().0, panel, &mut seen);
+        seen
+    }
+
+    #[test]
+    fn a_kaleidoscope_moves_upright_on_a_panel_that_is_mounted_turned() {
+        let size = Size::new(240, 128);
+        let want = upright_kaleidoscope(size, Rotation::None);
+        for rotation in [Rotation::Quarter, Rotation::Half, Rotation::ThreeQuarter] {
+            let got = upright_kaleidoscope(size, rotation);
+            let most = got.as_flattened().iter().zip(want.as_flattened()).map(|(a, b)| a.abs_diff(*b)).max();
+            // The dither is the panel's.
+            assert!(most <= Some(1), "turned by {rotation}: {most:?} levels from upright");
+        }
     }
 
     #[test]

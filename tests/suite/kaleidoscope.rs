@@ -173,3 +173,21 @@ fn the_reference_button_goes_through_the_other_photos_of_the_folder() {
     assert_eq!(run("kaleidoscope"), ["c.png", "b.png", "c.png"]);
     assert_eq!(run("shimmer"), [""; 0], "there is nothing to give them to");
 }
+
+#[test]
+fn a_film_of_one_frame_shows_the_kaleidoscope_and_a_longer_one_begins_with_the_photo() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let frame = |effect: &str, frames: &str| {
+        let out = path(&folder, &format!("{effect}{frames}"));
+        let words = ["render", &data("demo.jpg"), "--effect", effect, "--size", "96x64", "--frames", frames];
+        let (code, _, error) = run(&[&words[..], &["--out", &out, "--quiet"]].concat());
+        assert_eq!(code, Some(0), "{error}");
+        let mut files: Vec<_> =
+            fs::read_dir(&out).expect("a folder").map(|file| file.expect("a file").path()).collect();
+        files.sort();
+        image::open(&files[0]).expect("a picture").into_rgb8().into_raw()
+    };
+    let photo = frame("shimmer", "1");
+    assert_eq!(frame("kaleidoscope", "2"), photo);
+    assert_ne!(frame("kaleidoscope", "1"), photo);
+}

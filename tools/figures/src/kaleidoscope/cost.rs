@@ -81,7 +81,7 @@ impl Film {
         let storage = vec![0; storage_len(size, &settings)];
         let photo = Photo { size, rgb: &rgb, mask: &[] };
         let reference = Reference { size, rgb: &rgb };
-        let Ok(kaleidoscope) = Kaleidoscope::prepare(photo, reference, &settings, storage) else {
+        let Ok(kaleidoscope) = Kaleidoscope::prepare(photo, reference, &settings, storage, |_| ()) else {
             unreachable!("the storage has the length of the formula")
         };
         Self { kaleidoscope, oscillator: Oscillator::new(drive::Settings::default(), 7) }
