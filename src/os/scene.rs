@@ -257,7 +257,7 @@ pub(super) fn turned(mut life: Life, rotation: Rotation) -> Life {
 const REFERENCE_SIZE: Size = Size::new(1024, 1024);
 
 /// The photo at `colours`. One that the configuration names must be good; any other may be as bad as any of a show.
-fn load_reference(
+pub(super) fn load_reference(
     colours: Option<&Path>,
     look: &Look,
     limits: &photo::Limits,

@@ -191,3 +191,41 @@ fn a_film_of_one_frame_shows_the_kaleidoscope_and_a_longer_one_begins_with_the_p
     assert_eq!(frame("kaleidoscope", "2"), photo);
     assert_ne!(frame("kaleidoscope", "1"), photo);
 }
+
+#[test]
+fn a_source_that_moves_is_shown_in_the_colours_of_the_reference_where_it_does() {
+    let (folder, film) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
+    for (from, to) in [("demo.jpg", "1.jpg"), ("demo.jpg", "2.jpg"), ("demo.jpg", "3.jpg")] {
+        fs::copy(data(from), path(&film, to)).expect("a copy");
+    }
+    let frames = |photo: &str, source: &str| {
+        let out = path(&folder, source);
+        let words = ["render", photo, "--effect", "kaleidoscope", "--source", source, "--size", "160x100"];
+        let more = ["--frames", "24", "--out", &out, "--quiet", "--reference", &data("drawn.png")];
+        let (code, _, error) = run(&[&words[..], &more[..]].concat());
+        assert_eq!(code, Some(0), "{error}");
+        let files = fs::read_dir(&out).expect("a folder").map(|file| file.expect("a file").path());
+        let mut files: Vec<_> = files.collect();
+        files.sort();
+        [0, 23].map(|i| image::open(&files[i]).expect("a picture").into_rgb8().into_raw())
+    };
+    let [photo, shimmering] = frames(&data("demo.jpg"), "shimmer");
+    let changed = photo.iter().zip(&shimmering).filter(|(a, b)| a.abs_diff(**b) > 20).count();
+    assert!(changed > photo.len() / 20, "{changed} of {}", photo.len());
+    let [first, last] = frames(film.path().to_str().expect("text"), "frames");
+    assert!(first == photo && last == photo, "a film in which nothing moves");
+}
+
+#[test]
+fn a_source_without_a_kaleidoscope_or_without_frames_is_refused_with_the_cure() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let empty = folder.path().to_str().expect("text");
+    for (words, cure) in [
+        (&["--source", "frames", "--effect", "shimmer"][..], "--effect kaleidoscope"),
+        (&["--source", "frames", "--effect", "kaleidoscope"], "name a folder of pictures"),
+    ] {
+        let (code, _, error) = run(&[&["render", empty, "--hash", "--quiet"], words].concat());
+        assert_eq!((code, error.lines().count()), (Some(1), 1), "{error}");
+        assert!(error.contains(cure), "{error}");
+    }
+}

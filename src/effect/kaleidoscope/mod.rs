@@ -24,6 +24,7 @@
 mod address;
 pub mod fractal;
 mod mirrors;
+mod moving;
 mod prepare;
 mod render;
 mod storage;
@@ -33,6 +34,7 @@ mod windows;
 #[cfg(test)]
 mod reference;
 
+pub use moving::{Moving, MovingMoment, Still, moving_storage_len};
 pub use prepare::{TOLERANCE_Q4, storage_len};
 pub use render::Moment;
 pub use texture::Reference;
