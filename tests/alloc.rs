@@ -14,7 +14,7 @@ use yurameki::{
     effect::{
         Photo,
         autumn::{self, Autumn, Species, Stage, Tree},
-        kaleidoscope::{self, Kaleidoscope, Mode, Reference},
+        kaleidoscope::{self, Kaleidoscope, Mode, Moving, Reference, Still, moving_storage_len},
         shimmer::{Range, Shimmer, storage_len},
     },
     frame::{Layout, PixelFormat, Size},
@@ -121,6 +121,33 @@ fn a_prepared_photo_shows_a_thousand_frames_without_the_heap() {
 }
 
 #[test]
+fn a_kaleidoscope_of_what_moves_is_coded_anew_in_every_frame_without_the_heap() {
+    let film: Vec<Vec<u8>> = (0..4)
+        .map(|frame| (0..SIZE.pixels() * 3).map(|i| (i * (i + frame * 99) / 7 % 256) as u8).collect())
+        .collect();
+    let still = |frame: usize| Still { size: SIZE, rgb: &film[frame % film.len()] };
+    let reference = Reference { size: SIZE, rgb: &film[0] };
+    let layout = Layout::new(SIZE, PixelFormat::Xrgb8888, None).expect("a good layout");
+    let mut memory = vec![0; memory_len(layout, Buffering::Double)];
+    let mut storage = vec![0; moving_storage_len(SIZE)];
+    let settings = kaleidoscope::Settings::default();
+    let prepared = calls(|| Moving::prepare(&still(0), reference, &settings, &mut storage[..]).map(drop));
+    assert_eq!(prepared, 0, "preparing takes the heap");
+
+    let mut moving =
+        Moving::prepare(&still(0), reference, &settings, &mut storage[..]).expect("enough storage");
+    let mut lent = Sim::new(&mut memory[..], layout, Buffering::Double, 0).expect("enough memory");
+    let mut show = Show::new(Life::default().drive, 12, 1);
+    let shown = calls(|| {
+        for frame in 0..100 {
+            moving.see(&still(frame));
+            assert_eq!(show.turn(&mut moving, "a photo.jpg", &mut lent), Ok(()));
+        }
+    });
+    assert_eq!(shown, 0, "a running show takes the heap");
+}
+
+#[test]
 fn a_kaleidoscope_is_prepared_and_shows_its_frames_without_the_heap() {
     let rgb: Vec<u8> = (0..SIZE.pixels() * 3).map(|i| (i * i / 7 % 256) as u8).collect();
     let photo = Photo { size: SIZE, rgb: &rgb, mask: &[] };
@@ -131,11 +158,11 @@ fn a_kaleidoscope_is_prepared_and_shows_its_frames_without_the_heap() {
         let settings = kaleidoscope::Settings { mode, ..Default::default() };
         let mut storage = vec![0; kaleidoscope::storage_len(SIZE, &settings)];
         let prepared =
-            calls(|| Kaleidoscope::prepare(photo, reference, &settings, &mut storage[..]).map(drop));
+            calls(|| Kaleidoscope::prepare(photo, reference, &settings, &mut storage[..], |_| ()).map(drop));
         assert_eq!(prepared, 0, "{name}: preparing takes the heap");
 
-        let mut kaleidoscope =
-            Kaleidoscope::prepare(photo, reference, &settings, &mut storage[..]).expect("enough storage");
+        let mut kaleidoscope = Kaleidoscope::prepare(photo, reference, &settings, &mut storage[..], |_| ())
+            .expect("enough storage");
         let mut lent = Sim::new(&mut memory[..], layout, Buffering::Double, 0).expect("enough memory");
         let mut show = Show::new(Life::default().drive, 12, 1);
         let shown = calls(|| {

@@ -52,13 +52,23 @@ impl<S: AsMut<[u64]>> Picture<S> {
         }
     }
 
-    /// Prepares `subject` in `storage`.
-    pub fn prepare(subject: Subject<'_>, life: &Life, storage: S) -> Result<Self, StorageTooSmall> {
+    /// Prepares `subject` in `storage`. `progress` is told how much of a kaleidoscope is coded, in per cent; other effects take no time
+    /// worth telling.
+    pub fn prepare(
+        subject: Subject<'_>,
+        life: &Life,
+        storage: S,
+        progress: impl FnMut(u8),
+    ) -> Result<Self, StorageTooSmall> {
         Ok(match subject {
             Subject::Shimmer(photo) => Self::Shimmer(Shimmer::prepare(photo, &life.shimmer, storage)?),
-            Subject::Kaleidoscope(photo, reference) => {
-                Self::Kaleidoscope(Kaleidoscope::prepare(photo, reference, &life.kaleidoscope, storage)?)
-            }
+            Subject::Kaleidoscope(photo, reference) => Self::Kaleidoscope(Kaleidoscope::prepare(
+                photo,
+                reference,
+                &life.kaleidoscope,
+                storage,
+                progress,
+            )?),
             Subject::Foliage(photo, tree) => {
                 Self::Autumn(Autumn::prepare_photo(photo, tree, &life.autumn, storage)?)
             }

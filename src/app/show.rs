@@ -113,6 +113,11 @@ impl Show {
         (self.onset_frames, self.settled, self.fade, self.written) = (0, 0, None, None);
     }
 
+    /// The photo is fully alive at once.
+    pub const fn come_alive(&mut self) {
+        self.onset_frames = self.frames_per_second;
+    }
+
     /// Another photo is shown from now on: the one before fades into it within `frames`, and both move.
     pub fn fade(&mut self, frames: u32) {
         let onset = self.onset();

@@ -20,6 +20,8 @@ pub enum Request {
     PreviousPhoto,
     /// Bring the photo to life by the next effect.
     NextEffect,
+    /// Give the kaleidoscope that is shown the colours of the next photo.
+    NextReference,
     /// Switch the panel off, or on again.
     Sleep,
     /// Never show this photo again.
@@ -56,6 +58,7 @@ impl State {
             Action::Next => Some(Outcome::Ask(Request::NextPhoto)),
             Action::Previous => Some(Outcome::Ask(Request::PreviousPhoto)),
             Action::Effect => Some(Outcome::Ask(Request::NextEffect)),
+            Action::Reference => Some(Outcome::Ask(Request::NextReference)),
             Action::Sleep => Some(Outcome::Ask(Request::Sleep)),
             Action::Hide => Some(Outcome::Ask(Request::Hide)),
             Action::Reload => Some(Outcome::Ask(Request::Reload)),

@@ -59,6 +59,18 @@ impl Rotation {
         };
         Rect { x, y, size: self.turned(rect.size) }
     }
+
+    /// Where the pixel at (x, y) of a picture of `size` lies once the picture is turned, row by row.
+    #[must_use]
+    pub const fn turned_place(self, (x, y): (usize, usize), size: Size) -> usize {
+        let (width, height) = (size.width as usize, size.height as usize);
+        match self {
+            Self::None => y * width + x,
+            Self::Quarter => x * height + (height - 1 - y),
+            Self::Half => (height - 1 - y) * width + (width - 1 - x),
+            Self::ThreeQuarter => (width - 1 - x) * height + y,
+        }
+    }
 }
 
 /// Turns the picture `source` of `size` pixels into `out`, whose size is [`Rotation::turned`]. Each pixel is moved once.
@@ -70,18 +82,12 @@ pub fn rotate<T: Copy>(rotation: Rotation, source: &[T], size: Size, out: &mut [
     if rotation == Rotation::None {
         return out.copy_from_slice(source);
     }
-    let (width, height) = (size.width as usize, size.height as usize);
+    let width = size.width as usize;
     for top in (0..size.height).step_by(TILE as usize) {
         for left in (0..size.width).step_by(TILE as usize) {
             for y in top as usize..(top + TILE).min(size.height) as usize {
                 for x in left as usize..(left + TILE).min(size.width) as usize {
-                    let to = match rotation {
-                        Rotation::None => y * width + x,
-                        Rotation::Quarter => x * height + (height - 1 - y),
-                        Rotation::Half => (height - 1 - y) * width + (width - 1 - x),
-                        Rotation::ThreeQuarter => (width - 1 - x) * height + y,
-                    };
-                    out[to] = source[y * width + x];
+                    out[rotation.turned_place((x, y), size)] = source[y * width + x];
                 }
             }
         }

@@ -16,6 +16,8 @@ pub enum Action {
     Frequency,
     /// Bring the photo to life by the next effect.
     Effect,
+    /// Let a kaleidoscope take the colours of the next photo.
+    Reference,
     /// Let the picture stand still, or move again.
     Pause,
     /// Switch the panel off, or on again.
@@ -32,12 +34,13 @@ pub enum Action {
 
 impl Action {
     /// Every action, in the order in which they are listed to people.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Next,
         Self::Previous,
         Self::Amplitude,
         Self::Frequency,
         Self::Effect,
+        Self::Reference,
         Self::Pause,
         Self::Sleep,
         Self::Hide,
@@ -54,6 +57,7 @@ impl Action {
             Self::Amplitude => "amplitude",
             Self::Frequency => "frequency",
             Self::Effect => "effect",
+            Self::Reference => "reference",
             Self::Pause => "pause",
             Self::Sleep => "sleep",
             Self::Hide => "hide",

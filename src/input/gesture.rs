@@ -356,7 +356,7 @@ mod tests {
     fn without_debounce_presses_at_one_moment_all_count() {
         let mut machine = Gestures::new(KeyMap::default(), Duration::ZERO);
         for pressed in [true, false, true, false, true] {
-            machine.edge(Edge { button: Button::Right, pressed, at: MS(7) });
+            machine.edge(Edge { button: Button::Left, pressed, at: MS(7) });
         }
         assert_eq!(std::iter::from_fn(|| machine.next_press()).count(), 3);
     }

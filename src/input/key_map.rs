@@ -42,12 +42,13 @@ impl KeyMap {
 }
 
 impl Default for KeyMap {
-    /// → next photo, ← the one before, ↑ next amplitude noise, ↓ next frequency noise, ENTER next effect, long ENTER hide,
+    /// → next photo, long → next reference, ← the photo before, ↑ next amplitude noise, ↓ next frequency noise, ENTER next effect, long ENTER hide,
     /// SPACE pause, long SPACE sleep, I information, ESC quit.
     fn default() -> Self {
         let mut keys = Self::EMPTY;
         for (button, gesture, action) in [
             (Button::Right, Gesture::Short, Action::Next),
+            (Button::Right, Gesture::Long, Action::Reference),
             (Button::Left, Gesture::Short, Action::Previous),
             (Button::Up, Gesture::Short, Action::Amplitude),
             (Button::Down, Gesture::Short, Action::Frequency),
@@ -87,8 +88,8 @@ mod tests {
         let mut message = |press, action| keys.assign(press, action).expect_err("a bad word").to_string();
         assert_eq!(
             message("space", "nap"),
-            "unknown action; the known ones are next, previous, amplitude, frequency, effect, pause, sleep, hide, \
-             information, reload, quit, or none"
+            "unknown action; the known ones are next, previous, amplitude, frequency, effect, reference, pause, sleep, \
+             hide, information, reload, quit, or none"
         );
         assert_eq!(
             message("return", "none"),

@@ -11,7 +11,12 @@ use crate::{
     app::playlist::{CAPACITY, PhotoId, Playlist, Slot, Snapshot},
     noise::Kind,
 };
-use std::{collections::HashSet, env, path::PathBuf, time::Duration};
+use std::{
+    collections::HashSet,
+    env,
+    path::{Path, PathBuf},
+    time::Duration,
+};
 
 /// The demo photo, which is in no folder.
 const DEMO: PhotoId = PhotoId(0);
@@ -143,6 +148,18 @@ impl Album {
     pub(super) fn neighbour(&mut self, id: PhotoId) -> Option<PathBuf> {
         let current = self.playlist.current().filter(|&other| other != id);
         let other = current.or_else(|| self.upcoming());
+        other.and_then(|other| self.path(other))
+    }
+
+    /// Where the next photo is whose colours the one of `id` may take, after the one at `before`: round and round in the order of the
+    /// folders. `None` where there is no other.
+    pub(super) fn colours_after(&self, id: PhotoId, before: Option<&Path>) -> Option<PathBuf> {
+        let photos = self.library.as_ref()?.photos();
+        let last = before.map_or(id, photo_id);
+        let start = photos.iter().position(|&photo| photo == last).map_or(0, |at| at + 1);
+        let mut others = photos[start..].iter().chain(&photos[..start]).copied();
+        let other =
+            others.find(|other| *other != id && !self.bad.contains(other) && !self.hidden.contains(other));
         other.and_then(|other| self.path(other))
     }
 

@@ -115,6 +115,9 @@ pub struct Render {
     /// The panel's pixel format, whose depth and dithering the file shows.
     #[arg(long, default_value = "XRGB8888")]
     pub format: PixelFormat,
+    /// A kaleidoscope of what moves, in the mode tonal: shimmer, of the photo itself, or frames, where PHOTO is a folder with the frames of a film.
+    #[arg(long, value_name = "shimmer|frames", requires = "effect", conflicts_with_all = ["mode", "search"])]
+    pub source: Option<Motion>,
     /// Print the SHA-256 over all frames: the same on every machine.
     #[arg(long)]
     pub hash: bool,
@@ -125,6 +128,17 @@ pub struct Render {
     #[command(flatten)]
     pub look: Look,
 }
+
+/// What moves in a kaleidoscope.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// The photo shimmers.
+    Shimmer,
+    /// One picture follows the other.
+    Frames,
+}
+
+named!(Motion, "source", Shimmer = "shimmer", Frames = "frames");
 
 impl Render {
     /// The rate of the frames in the file.

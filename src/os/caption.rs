@@ -8,13 +8,18 @@ use unicode_normalization::UnicodeNormalization;
 /// The name of the photo at `path`, and on a line of its own when it was taken, by the clock of the camera; where the photo does not
 /// say, when its file was written, by the clock here. Reads at most 256 KiB.
 pub(super) fn of_file(path: &Path) -> String {
-    let mut caption = name(path.file_name().unwrap_or(path.as_os_str()));
+    let mut caption = name_of(path);
     if let Some(taken) = date_taken(path) {
         let _ = write!(caption, "\n{}", taken.strftime("%Y-%m-%d %H:%M"));
     } else if let Some(written) = written(path) {
         let _ = write!(caption, "\nfile of {written}");
     }
     caption
+}
+
+/// The name of the photo at `path`, as one line.
+pub(super) fn name_of(path: &Path) -> String {
+    name(path.file_name().unwrap_or(path.as_os_str()))
 }
 
 fn written(path: &Path) -> Option<String> {

@@ -1,19 +1,22 @@
 //! Photos are decoded and prepared on a thread of their own, at low priority, while the show goes on.
 
 use super::{
-    Failure,
+    Failure, caption,
     config::Config,
-    scene::{self, Scene, Source, Way},
+    scene::{self, Colours, Scene, Source, Way},
 };
 use crate::{
     app::{Picture, playlist::PhotoId},
+    config::EffectChoice,
     frame::Size,
     noise::drive,
 };
 use std::{
+    fmt,
     path::PathBuf,
     sync::{
         Arc,
+        atomic::{AtomicU8, Ordering},
         mpsc::{Receiver, Sender, channel},
     },
     thread,
@@ -28,6 +31,8 @@ pub(super) struct Living {
     pub(super) picture: Picture<Vec<u64>>,
     /// How it lives.
     pub(super) way: Way,
+    /// The photo whose colours a kaleidoscope was asked to take.
+    pub(super) colours: Option<PathBuf>,
     /// The noises and times of the photo's own look.
     pub(super) drive: drive::Settings,
     /// How long it is to be shown.
@@ -36,13 +41,18 @@ pub(super) struct Living {
     pub(super) stale: bool,
 }
 
+impl Living {
+    pub(super) fn is_kaleidoscope(&self) -> bool {
+        self.way.effect == EffectChoice::Kaleidoscope
+    }
+}
+
 /// A photo to be loaded.
 struct Order {
     id: PhotoId,
     /// `None` is the demo photo.
     path: Option<PathBuf>,
-    /// The photo whose colours a kaleidoscope takes.
-    other: Option<PathBuf>,
+    colours: Option<Colours>,
     /// How it is to live, where a button has chosen that.
     way: Option<Way>,
     size: Size,
@@ -53,12 +63,31 @@ struct Order {
 /// What has become of an order.
 pub(super) type Outcome = (PhotoId, Result<Living, Failure>);
 
+/// How far a kaleidoscope is coded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Encoding {
+    /// Of which photo.
+    pub(super) name: Arc<str>,
+    /// 1 to 100.
+    pub(super) percent: u8,
+}
+
+impl fmt::Display for Encoding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "encoding {} {} %", self.name, self.percent)
+    }
+}
+
 /// The thread, and the one photo that it may be at.
 pub(super) struct Loader {
     orders: Sender<Order>,
     outcomes: Receiver<Outcome>,
     /// What is being worked at.
     at: Option<PhotoId>,
+    /// What that is called.
+    name: Arc<str>,
+    /// How much of a kaleidoscope is coded, in per cent; 0 while none is.
+    coded: Arc<AtomicU8>,
     /// What comes of it is of no use.
     cancelled: bool,
     /// Memory of photos that are no longer shown.
@@ -76,18 +105,22 @@ impl Loader {
     pub(super) fn start() -> Result<Self, Failure> {
         let (orders, inbox) = channel::<Order>();
         let (outbox, outcomes) = channel();
+        let coded = Arc::new(AtomicU8::new(0));
+        let progress = Arc::clone(&coded);
         let work = move || {
             // On Linux the priority is each thread's own. Without the right to lower it the picture only may stand for a moment.
             let _ = rustix::process::nice(NICE);
             for order in inbox {
                 let id = order.id;
-                if outbox.send((id, load(order))).is_err() {
+                let outcome = load(order, &progress);
+                progress.store(0, Ordering::Relaxed);
+                if outbox.send((id, outcome)).is_err() {
                     break;
                 }
             }
         };
         thread::Builder::new().name("loader".into()).spawn(work)?;
-        Ok(Self { orders, outcomes, at: None, cancelled: false, spare: Vec::new() })
+        Ok(Self { orders, outcomes, at: None, name: "".into(), coded, cancelled: false, spare: Vec::new() })
     }
 
     /// Whether an order is being worked at.
@@ -95,19 +128,25 @@ impl Loader {
         self.at.is_some()
     }
 
-    /// Orders a photo for a panel of `size`, as `config` says; without a path, the demo photo. A kaleidoscope takes the colours of
-    /// the `other` one.
+    /// How far the coding is, while there is some.
+    pub(super) fn encoding(&self) -> Option<Encoding> {
+        let percent = self.coded.load(Ordering::Relaxed);
+        (percent > 0).then(|| Encoding { name: Arc::clone(&self.name), percent })
+    }
+
+    /// Orders a photo for a panel of `size`, as `config` says; without a path, the demo photo. A kaleidoscope takes `colours`.
     pub(super) fn order(
         &mut self,
         id: PhotoId,
         path: Option<PathBuf>,
-        other: Option<PathBuf>,
+        colours: Option<Colours>,
         way: Option<Way>,
         size: Size,
         config: &Arc<Config>,
     ) {
+        self.name = path.as_deref().map_or("the demo photo".into(), caption::name_of).into();
         let (storage, config) = (self.spare.pop().unwrap_or_default(), Arc::clone(config));
-        let order = Order { id, path, other, way, size, storage, config };
+        let order = Order { id, path, colours, way, size, storage, config };
         self.at = self.orders.send(order).is_ok().then_some(id);
         self.cancelled = false;
     }
@@ -139,17 +178,18 @@ impl Loader {
     }
 }
 
-fn load(order: Order) -> Result<Living, Failure> {
-    let Order { id, path, other, way, size, storage, config } = order;
+fn load(order: Order, coded: &AtomicU8) -> Result<Living, Failure> {
+    let Order { id, path, colours, way, size, storage, config } = order;
     let source = path.as_deref().map_or(Source::Demo, Source::File);
-    let scene = Scene::load_as(source, other.as_deref(), way, size, &config)?;
+    let scene = Scene::load_as(source, colours, way, size, &config)?;
     let life = scene::turned(scene.look().life.at(config.frames_per_second), config.rotation);
     Ok(Living {
         id,
         caption: scene.caption().to_owned(),
         size,
         way: scene.way(),
-        picture: scene.prepare(&life, storage)?,
+        colours: scene.colours().map(Into::into),
+        picture: scene.prepare(&life, storage, |percent| coded.store(percent, Ordering::Relaxed))?,
         drive: life.drive,
         seconds: scene.look().seconds,
         stale: false,

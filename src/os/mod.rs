@@ -46,6 +46,7 @@ pub mod window;
 mod encode;
 mod mask;
 mod memory;
+mod moving;
 mod noise;
 mod render;
 

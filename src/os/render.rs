@@ -4,13 +4,14 @@ use super::{
     Failure, args,
     config::Config,
     interrupt::Interrupt,
+    moving,
     output::{FrameHash, Target, Writer},
     progress::Progress,
     scene::{Scene, Source},
     stdout::print_line,
 };
 use crate::{
-    app::Show,
+    app::{Picture, Show},
     display::sim::{self, Buffering, Sim},
     frame::Layout,
 };
@@ -40,20 +41,38 @@ fn stopped(args: &args::Render) -> &'static str {
 }
 
 pub(super) fn render(args: &args::Render) -> Result<(), Failure> {
-    film(args, args.photo.as_deref().map_or(Source::Demo, Source::File))
+    match args.source {
+        Some(motion) => moving::film(args, motion),
+        None => film(args, args.photo.as_deref().map_or(Source::Demo, Source::File)),
+    }
 }
 
 fn film(args: &args::Render, source: Source<'_>) -> Result<(), Failure> {
     let interrupt = Interrupt::install()?;
-    let layout = Layout::new(args.size, args.format, None)?;
     let config = Config { typed: args.look.clone(), ..Config::default() };
     let scene = Scene::load(source, args.size, &config)?;
     let life = scene.look().life.at(args.fps);
-    let mut picture = scene.prepare(&life, Vec::new())?;
+    let mut picture = scene.prepare(&life, Vec::new(), |_| ())?;
+    let mut show = Show::new(life.drive, args.fps, args.look.seed.unwrap_or(config.seed));
+    if args.frames == 1 && matches!(picture, Picture::Kaleidoscope(_)) {
+        // There is no second frame in which it could come out of the photo.
+        show.come_alive();
+    }
+    write(args, &interrupt, |done, panel| {
+        picture.set_stage(scene.look().season.of_film(done, args.frames));
+        Ok(show.turn(&mut picture, scene.caption(), panel)?)
+    })
+}
+
+/// Writes the frames that `turn`, told how many there were before, shows on a panel.
+pub(super) fn write(
+    args: &args::Render,
+    interrupt: &Interrupt,
+    mut turn: impl FnMut(u32, &mut Sim<Vec<u8>>) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let layout = Layout::new(args.size, args.format, None)?;
     let memory = vec![0; sim::memory_len(layout, Buffering::Single)];
     let mut panel = Sim::new(memory, layout, Buffering::Single, 0)?;
-    let mut show = Show::new(life.drive, args.fps, args.look.seed.unwrap_or(config.seed));
-
     let open = |target: &Target| Writer::create(target, args.size, args.rate(), args.frames);
     let mut writer = args.out.as_ref().map(open).transpose()?;
     let mut hash = args.hash.then(FrameHash::new);
@@ -62,8 +81,7 @@ fn film(args: &args::Render, source: Source<'_>) -> Result<(), Failure> {
         if interrupt.requested() {
             return Err(Failure::new(stopped(args)));
         }
-        picture.set_stage(scene.look().season.of_film(done, args.frames));
-        show.turn(&mut picture, scene.caption(), &mut panel)?;
+        turn(done, &mut panel)?;
         let Some(frame) = panel.shown() else { unreachable!("a frame was just presented") };
         if let Some(writer) = &mut writer {
             writer.write(frame)?;

@@ -12,7 +12,7 @@ use super::{
     loader::{Living, Loader},
     panel::Panel,
     render,
-    scene::Way,
+    scene::{Colours, Way},
     service::{Idle, Service},
     set_log_level,
     stdout::print_line,
@@ -33,7 +33,7 @@ use std::{
     env,
     fs::File,
     io::Read,
-    path::Path,
+    path::{Path, PathBuf},
     sync::Arc,
     thread::sleep,
     time::{Duration, Instant},
@@ -114,6 +114,8 @@ struct Running {
     dwell: Dwell,
     /// How photos live, once a button has chosen that.
     way: Option<Way>,
+    /// The photo whose colours a button has chosen last, and for which.
+    colours: Option<(PhotoId, PathBuf)>,
     /// The photos were named on the command line.
     typed: bool,
 }
@@ -159,6 +161,7 @@ impl Running {
             next: None,
             dwell: Dwell::new(None),
             way: None,
+            colours: None,
             typed,
         })
     }
@@ -178,6 +181,7 @@ impl Running {
             }
             let brightness = self.dimmer.turn(self.clock.elapsed(), &mut self.panel);
             self.show.set_brightness(brightness);
+            self.service.set_encoding(self.loader.encoding());
             match self.turn() {
                 Ok(true) => {
                     self.panel.note_lateness(self.clock.elapsed().saturating_sub(self.pace.deadline()));
@@ -222,7 +226,10 @@ impl Running {
         };
         current.picture.set_stage(self.season.stage(self.clock.elapsed()));
         let leaving = self.leaving.as_mut().map(|leaving| &mut leaving.picture);
-        self.show.turn_from(leaving, &mut current.picture, &current.caption, &mut self.panel)?;
+        let encoding = self.loader.encoding();
+        let longer = encoding.map(|encoding| format!("{}\n{encoding}", current.caption));
+        let caption = longer.as_deref().unwrap_or(&current.caption);
+        self.show.turn_from(leaving, &mut current.picture, caption, &mut self.panel)?;
         let name = current.caption.lines().next().unwrap_or_default();
         self.service.shown(Instant::now(), name, self.show.noises(), self.show.is_paused());
         self.dimmer.shown();
@@ -295,21 +302,39 @@ impl Running {
             if let Some(other) = self.next.take() {
                 self.loader.recycle(other);
             }
-            let other = self.album.neighbour(wanted);
-            self.loader.order(wanted, self.album.path(wanted), other, self.way, size, &self.config);
+            self.order(wanted, size);
         }
         Ok(())
     }
 
-    /// Whether a photo lives in the way that a button has chosen.
+    /// Whether a photo lives in the way, and in the colours, that buttons have chosen.
     fn is_wanted(&self, living: &Living) -> bool {
+        let chosen = self.colours.as_ref().filter(|(id, _)| *id == living.id && living.is_kaleidoscope());
         self.way.is_none_or(|way| living.way.looks_as(way))
+            && chosen.is_none_or(|(_, path)| living.colours.as_ref() == Some(path))
     }
 
     /// The photo comes again in another way, once it is prepared; that one goes on meanwhile.
     fn next_way(&mut self) {
         let Some(current) = &self.current else { return };
         self.way = Some(self.way.unwrap_or(current.way).next());
+        self.forget_next();
+    }
+
+    /// The kaleidoscope comes again in the colours of the next photo; other effects take none.
+    fn next_colours(&mut self) {
+        let Some(current) = self.current.as_ref().filter(|living| living.is_kaleidoscope()) else { return };
+        let chosen = self.colours.as_ref().filter(|(id, _)| *id == current.id);
+        let before = chosen.map(|(_, path)| path).or(current.colours.as_ref());
+        let Some(path) = self.album.colours_after(current.id, before.map(PathBuf::as_path)) else { return };
+        let name = current.caption.lines().next().unwrap_or_default();
+        log::info!("{name}: from now on in the colours of {}", path.display());
+        self.colours = Some((current.id, path));
+        self.forget_next();
+    }
+
+    /// What was prepared is put away.
+    fn forget_next(&mut self) {
         if let Some(next) = self.next.take() {
             self.loader.recycle(next);
         }
@@ -317,9 +342,16 @@ impl Running {
 
     fn order_upcoming(&mut self, size: Size) {
         if let Some(upcoming) = self.album.upcoming() {
-            let other = self.album.neighbour(upcoming);
-            self.loader.order(upcoming, self.album.path(upcoming), other, self.way, size, &self.config);
+            self.order(upcoming, size);
         }
+    }
+
+    fn order(&mut self, id: PhotoId, size: Size) {
+        let colours = match &self.colours {
+            Some((photo, path)) if *photo == id => Some(Colours::Chosen(path.clone())),
+            _ => self.album.neighbour(id).map(Colours::Offered),
+        };
+        self.loader.order(id, self.album.path(id), colours, self.way, size, &self.config);
     }
 
     /// Shows a photo from now on.
@@ -448,6 +480,7 @@ impl Running {
             Request::NextPhoto => self.album.next(),
             Request::PreviousPhoto => self.album.previous(),
             Request::NextEffect => self.next_way(),
+            Request::NextReference => self.next_colours(),
             Request::Sleep => self.dimmer.sleep(),
             Request::Hide => {
                 if let Some(current) = &self.current {

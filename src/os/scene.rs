@@ -21,7 +21,7 @@ use crate::{
     math::Turns,
 };
 use log::Level;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Which photo.
 #[derive(Clone, Copy, Debug)]
@@ -62,6 +62,15 @@ impl Way {
     }
 }
 
+/// The photo whose colours a kaleidoscope is to take.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Colours {
+    /// Where the configuration names no other.
+    Offered(PathBuf),
+    /// By a button, which goes before the configuration.
+    Chosen(PathBuf),
+}
+
 /// A photo and its mask at the panel's size, turned as the panel is mounted.
 #[derive(Debug)]
 pub struct Scene {
@@ -71,6 +80,8 @@ pub struct Scene {
     mask: Vec<u8>,
     look: Look,
     reference: Option<photo::Photo>,
+    /// Where the photo is whose colours were asked for; one that is bad is not the `reference`.
+    colours: Option<PathBuf>,
     tree: Option<Grove>,
 }
 
@@ -103,11 +114,10 @@ impl Scene {
         Self::load_as(source, None, None, size, config)
     }
 
-    /// As [`Self::load`]; a kaleidoscope takes the colours of the photo at `other` where nobody has chosen others. It lives in the `way`
-    /// that a button has chosen.
+    /// As [`Self::load`]; a kaleidoscope takes `colours`, and the photo lives in the `way` that a button has chosen.
     pub(super) fn load_as(
         source: Source<'_>,
-        other: Option<&Path>,
+        colours: Option<Colours>,
         way: Option<Way>,
         size: Size,
         config: &Config,
@@ -127,31 +137,57 @@ impl Scene {
             Source::File(path) => photo::load(path, &options)?,
             Source::Demo => photo::from_bytes("the demo photo", DEMO, &options)?,
         };
+        let colours = match (colours, &look.reference) {
+            _ if look.effect != EffectChoice::Kaleidoscope => None,
+            (Some(Colours::Offered(_)) | None, Some(written)) => Some(written.clone()),
+            (Some(Colours::Chosen(path) | Colours::Offered(path)), _) => Some(path),
+            (None, None) => None,
+        };
         let (mask, reference) = match look.effect {
             EffectChoice::Shimmer | EffectChoice::Autumn => {
                 (choose_mask(source, &photo, &look, &options.limits)?, None)
             }
             // All of it moves.
             EffectChoice::Kaleidoscope => {
-                (vec![255; upright.pixels()], load_reference(other, &look, &options.limits)?)
+                (vec![255; upright.pixels()], load_reference(colours.as_deref(), &look, &options.limits)?)
             }
         };
-        let caption = match source {
+        let mut caption = match source {
             Source::File(path) => caption::of_file(path),
             Source::Demo => "\"Forest\" by Moritz Reisinger\nCC BY-SA 3.0".into(),
+        };
+        if let Some(path) = colours.as_ref().filter(|_| reference.is_some()) {
+            caption += "\nin the colours of ";
+            caption += &caption::name_of(path);
+        }
+        let reference = match reference {
+            // Its own colours, as the person sees it: seen by the panel's side, others would be chosen.
+            None if look.effect == EffectChoice::Kaleidoscope && rotation != Rotation::None => {
+                Some(photo.clone())
+            }
+            reference => reference,
         };
         let grove = || Grove::load(&look, matches!(source, Source::File(_)));
         let tree = (look.effect == EffectChoice::Autumn).then(grove).transpose()?;
         if rotation == Rotation::None {
-            return Ok(Self { caption, size, rgb: photo.rgb, mask, look, reference, tree });
+            return Ok(Self { caption, size, rgb: photo.rgb, mask, look, reference, colours, tree });
         }
         let (mut rgb, mut turned_mask) = (vec![[0; 3]; size.pixels()], vec![0; size.pixels()]);
         rotate(rotation, photo.rgb.as_chunks::<3>().0, upright, &mut rgb);
         rotate(rotation, &mask, upright, &mut turned_mask);
-        Ok(Self { caption, size, rgb: rgb.into_flattened(), mask: turned_mask, look, reference, tree })
+        Ok(Self {
+            caption,
+            size,
+            rgb: rgb.into_flattened(),
+            mask: turned_mask,
+            look,
+            reference,
+            colours,
+            tree,
+        })
     }
 
-    /// What the information on the picture says of the photo: a line or two.
+    /// What the information on the picture says of the photo: a line or a few.
     pub fn caption(&self) -> &str {
         &self.caption
     }
@@ -166,11 +202,22 @@ impl Scene {
         Way { effect: self.look.effect, mode: self.look.life.kaleidoscope.mode }
     }
 
-    /// The photo with the effect that was chosen for it, which lives as `life` says.
+    /// The photo whose colours were asked for.
+    pub(super) fn colours(&self) -> Option<&Path> {
+        self.colours.as_deref()
+    }
+
+    /// The photo with the effect that was chosen for it, which lives as `life` says. `progress` is told how much of a kaleidoscope is
+    /// coded, in per cent.
     ///
     /// # Errors
     /// If there is less memory than that takes.
-    pub fn prepare(&self, life: &Life, mut storage: Vec<u64>) -> Result<Picture<Vec<u64>>, Failure> {
+    pub fn prepare(
+        &self,
+        life: &Life,
+        mut storage: Vec<u64>,
+        progress: impl FnMut(u8),
+    ) -> Result<Picture<Vec<u64>>, Failure> {
         let effect = self.look.effect;
         let needed = Picture::<Vec<u64>>::storage_len(effect, self.size, life);
         storage.try_reserve_exact(needed.saturating_sub(storage.len()))?;
@@ -187,7 +234,7 @@ impl Scene {
             (EffectChoice::Kaleidoscope, _) => Subject::Kaleidoscope(self.photo(), reference),
             (EffectChoice::Shimmer | EffectChoice::Autumn, _) => Subject::Shimmer(self.photo()),
         };
-        Ok(Picture::prepare(subject, life, storage)?)
+        Ok(Picture::prepare(subject, life, storage, progress)?)
     }
 
     /// What an effect is prepared from.
@@ -196,28 +243,30 @@ impl Scene {
     }
 }
 
-/// The life of a picture whose panel is mounted turned: light and wind turn with the picture.
+/// The life of a picture whose panel is mounted turned: light and wind turn with the picture, and a kaleidoscope is coded upright.
 pub(super) fn turned(mut life: Life, rotation: Rotation) -> Life {
     let turn = Turns::from_degrees(rotation.degrees() as i32);
     let shimmer = &mut life.shimmer;
     shimmer.light.azimuth = shimmer.light.azimuth.plus(turn);
     shimmer.wind = shimmer.wind.plus(turn);
+    life.kaleidoscope.rotation = rotation;
     life
 }
 
 /// A reference is looked at no more closely than this.
 const REFERENCE_SIZE: Size = Size::new(1024, 1024);
 
-/// The photo whose colours are taken: the one that was chosen, else the `other` one. That one may be as bad as any of a show.
-fn load_reference(
-    other: Option<&Path>,
+/// The photo at `colours`. One that the configuration names must be good; any other may be as bad as any of a show.
+pub(super) fn load_reference(
+    colours: Option<&Path>,
     look: &Look,
     limits: &photo::Limits,
 ) -> Result<Option<photo::Photo>, Failure> {
-    if let Some(chosen) = &look.reference {
-        return Ok(Some(photo::load_within(chosen, REFERENCE_SIZE, limits)?));
+    let Some(path) = colours else { return Ok(None) };
+    match photo::load_within(path, REFERENCE_SIZE, limits) {
+        Err(error) if look.reference.as_deref() == Some(path) => Err(error.into()),
+        loaded => Ok(loaded.ok()),
     }
-    Ok(other.and_then(|path| photo::load_within(path, REFERENCE_SIZE, limits).ok()))
 }
 
 /// The mask that was asked for; without a word, the one beside the photo, else the automatic one.
@@ -358,6 +407,39 @@ mod tests {
         let mut picture = vec![[0; 3]; panel.pixels()];
         rotate(rotation.inverse(), bytes.as_chunks::<3>().0, panel, &mut picture);
         picture
+    }
+
+    /// The demo photo as a kaleidoscope of its own colours after a few frames on a panel that is mounted turned, seen upright.
+    fn upright_kaleidoscope(size: Size, rotation: Rotation) -> Vec<[u8; 3]> {
+        let typed =
+            Words::parse_from(["", "--effect", "kaleidoscope", "--mode", "tonal", "--search", "none"]);
+        let config = Config { typed: typed.look, rotation, ..Config::default() };
+        let panel = rotation.turned(size);
+        let scene = Scene::load(Source::Demo, panel, &config).unwrap();
+        let life = turned(scene.look().life, rotation);
+        let mut picture = scene.prepare(&life, Vec::new(), |_| ()).unwrap();
+        let layout = Layout::new(panel, PixelFormat::Bgr888, None).unwrap();
+        let mut bytes = vec![0; layout.len_bytes()];
+        for frame in 0..20 {
+            let phase = Turns::from_degrees(frame * 40);
+            let drive = Drive { amplitude: Factor::ONE, frequency: Factor::ONE, phase, onset: Factor::ONE };
+            picture.render(drive, Paint::Everything, &mut FrameMut::new(&mut bytes, layout).unwrap());
+        }
+        let mut seen = vec![[0; 3]; panel.pixels()];
+        rotate(rotation.inverse(), bytes.as_chunks::<3>().0, panel, &mut seen);
+        seen
+    }
+
+    #[test]
+    fn a_kaleidoscope_moves_upright_on_a_panel_that_is_mounted_turned() {
+        let size = Size::new(240, 128);
+        let want = upright_kaleidoscope(size, Rotation::None);
+        for rotation in [Rotation::Quarter, Rotation::Half, Rotation::ThreeQuarter] {
+            let got = upright_kaleidoscope(size, rotation);
+            let most = got.as_flattened().iter().zip(want.as_flattened()).map(|(a, b)| a.abs_diff(*b)).max();
+            // The dither is the panel's.
+            assert!(most <= Some(1), "turned by {rotation}: {most:?} levels from upright");
+        }
     }
 
     #[test]

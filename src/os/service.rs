@@ -9,6 +9,7 @@
 //! the picture. Before the first frame such turns prolong the start instead, since a watchdog runs only from
 //! then on.
 
+use super::loader::Encoding;
 use crate::noise::Kind;
 use sd_notify::NotifyState;
 use std::{
@@ -67,6 +68,8 @@ pub(super) struct Service {
     frames: u32,
     counting_since: Option<Instant>,
     status: String,
+    /// What is being coded while all this is shown.
+    encoding: Option<Encoding>,
 }
 
 impl Service {
@@ -86,12 +89,18 @@ impl Service {
             frames: 0,
             counting_since: None,
             status: String::new(),
+            encoding: None,
         }
     }
 
     /// Whether a manager has started the program: it is meant to run for ever, perhaps from before its panel is there.
     pub(super) const fn is_managed(&self) -> bool {
         self.send.is_some()
+    }
+
+    /// What is being coded from now on.
+    pub(super) fn set_encoding(&mut self, encoding: Option<Encoding>) {
+        self.encoding = encoding;
     }
 
     /// A frame of `photo` was presented. Costs a comparison, and once a second a message.
@@ -147,6 +156,9 @@ impl Service {
             let rate = self.rate(now);
             self.status.clear();
             write(&mut self.status, rate);
+            if let Some(encoding) = &self.encoding {
+                let _ = write!(self.status, ", {encoding}");
+            }
             one_line(&mut self.status);
             states.push(NotifyState::Status(&self.status));
             if !self.ready {
@@ -268,6 +280,20 @@ mod tests {
             assert!((38..=41).contains(&fed.len()), "{idle:?}: fed {} times", fed.len());
             assert!(longest_silence(&fed) <= 16, "{idle:?}");
         }
+    }
+
+    #[test]
+    fn what_is_being_encoded_is_told_beside_what_is_shown_and_where_nothing_is() {
+        let (mut service, now) = (service(None), Instant::now());
+        service.set_encoding(Some(Encoding { name: "sea.jpg".into(), percent: 40 }));
+        service.idle(now, Idle::Loading);
+        service.shown(now + STATUS_EVERY, "lake.jpg", NOISES, false);
+        service.set_encoding(None);
+        service.shown(now + 2 * STATUS_EVERY, "lake.jpg", NOISES, false);
+        let heard = heard();
+        assert!(heard[0].starts_with("STATUS=loading a photo, encoding sea.jpg 40 %\n"), "{heard:?}");
+        assert!(heard[1].ends_with("lake.jpg, amplitude brown, frequency white, encoding sea.jpg 40 %\n"));
+        assert!(heard[2].ends_with("lake.jpg, amplitude brown, frequency white\n"), "{heard:?}");
     }
 
     #[test]

@@ -205,9 +205,10 @@ fn each_key_of_the_default_map_does_what_it_is_for() {
         let action = keys.action(press.parse().expect("a press")).expect("an action");
         show.press(action)
     };
-    let asked = ["right", "left", "enter", "space:long", "enter:long", "esc"].map(&mut ask);
+    let asked = ["right", "right:long", "left", "enter", "space:long", "enter:long", "esc"].map(&mut ask);
     let expected = [
         Request::NextPhoto,
+        Request::NextReference,
         Request::PreviousPhoto,
         Request::NextEffect,
         Request::Sleep,

@@ -232,7 +232,7 @@ fn every_key_does_what_it_says() {
     assert_eq!((config.order, config.fade), (Order::Date, Duration::from_millis(500)));
     let Look { life, mask, fit, background, seconds, reference, .. } = config.look;
     assert_eq!(reference.as_deref(), Some(Path::new("/etc/frame/sunset.jpg")));
-    let Settings { mode, search, depth } = life.kaleidoscope;
+    let Settings { mode, search, depth, rotation: _ } = life.kaleidoscope;
     assert_eq!((mode, search, depth), (Mode::Literal, Search::FilterC, 2));
     assert_eq!((fit, background, seconds), (Fit::Plain, [0x10, 0xff, 0x20], 5));
     assert_eq!(mask, Some(MaskChoice::File("/etc/frame/leaves.png".into())));

@@ -152,3 +152,80 @@ fn two_photos_of_a_folder_are_shown_and_the_effect_button_changes_the_way() {
     let (code, _, error) = run(&words);
     assert_eq!(code, Some(0), "{error}");
 }
+
+#[test]
+fn the_reference_button_goes_through_the_other_photos_of_the_folder() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (from, to) in [("demo.jpg", "a.jpg"), ("drawn.png", "b.png"), ("grey.png", "c.png")] {
+        fs::copy(data(from), path(&folder, to)).expect("a copy");
+    }
+    let script = path(&folder, "script");
+    fs::write(&script, "3 right long\n9 right long\n15 right long\n").expect("a script");
+    let photos = folder.path().to_str().expect("text");
+    let run = |effect| {
+        let words = ["run", photos, "--effect", effect, "--display", "sim:96x64", "--fps", "60"];
+        let (code, _, error) = run(&[&words[..], &["--frames", "40", "--script", &script]].concat());
+        assert_eq!(code, Some(0), "{error}");
+        let lines = error.lines().filter(|line| line.contains("a.jpg: from now on in the colours of"));
+        lines.map(|line| line.rsplit('/').next().expect("a name").to_owned()).collect::<Vec<_>>()
+    };
+    // It begins with those of the photo that comes next.
+    assert_eq!(run("kaleidoscope"), ["c.png", "b.png", "c.png"]);
+    assert_eq!(run("shimmer"), [""; 0], "there is nothing to give them to");
+}
+
+#[test]
+fn a_film_of_one_frame_shows_the_kaleidoscope_and_a_longer_one_begins_with_the_photo() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let frame = |effect: &str, frames: &str| {
+        let out = path(&folder, &format!("{effect}{frames}"));
+        let words = ["render", &data("demo.jpg"), "--effect", effect, "--size", "96x64", "--frames", frames];
+        let (code, _, error) = run(&[&words[..], &["--out", &out, "--quiet"]].concat());
+        assert_eq!(code, Some(0), "{error}");
+        let mut files: Vec<_> =
+            fs::read_dir(&out).expect("a folder").map(|file| file.expect("a file").path()).collect();
+        files.sort();
+        image::open(&files[0]).expect("a picture").into_rgb8().into_raw()
+    };
+    let photo = frame("shimmer", "1");
+    assert_eq!(frame("kaleidoscope", "2"), photo);
+    assert_ne!(frame("kaleidoscope", "1"), photo);
+}
+
+#[test]
+fn a_source_that_moves_is_shown_in_the_colours_of_the_reference_where_it_does() {
+    let (folder, film) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
+    for (from, to) in [("demo.jpg", "1.jpg"), ("demo.jpg", "2.jpg"), ("demo.jpg", "3.jpg")] {
+        fs::copy(data(from), path(&film, to)).expect("a copy");
+    }
+    let frames = |photo: &str, source: &str| {
+        let out = path(&folder, source);
+        let words = ["render", photo, "--effect", "kaleidoscope", "--source", source, "--size", "160x100"];
+        let more = ["--frames", "24", "--out", &out, "--quiet", "--reference", &data("drawn.png")];
+        let (code, _, error) = run(&[&words[..], &more[..]].concat());
+        assert_eq!(code, Some(0), "{error}");
+        let files = fs::read_dir(&out).expect("a folder").map(|file| file.expect("a file").path());
+        let mut files: Vec<_> = files.collect();
+        files.sort();
+        [0, 23].map(|i| image::open(&files[i]).expect("a picture").into_rgb8().into_raw())
+    };
+    let [photo, shimmering] = frames(&data("demo.jpg"), "shimmer");
+    let changed = photo.iter().zip(&shimmering).filter(|(a, b)| a.abs_diff(**b) > 20).count();
+    assert!(changed > photo.len() / 20, "{changed} of {}", photo.len());
+    let [first, last] = frames(film.path().to_str().expect("text"), "frames");
+    assert!(first == photo && last == photo, "a film in which nothing moves");
+}
+
+#[test]
+fn a_source_without_a_kaleidoscope_or_without_frames_is_refused_with_the_cure() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let empty = folder.path().to_str().expect("text");
+    for (words, cure) in [
+        (&["--source", "frames", "--effect", "shimmer"][..], "--effect kaleidoscope"),
+        (&["--source", "frames", "--effect", "kaleidoscope"], "name a folder of pictures"),
+    ] {
+        let (code, _, error) = run(&[&["render", empty, "--hash", "--quiet"], words].concat());
+        assert_eq!((code, error.lines().count()), (Some(1), 1), "{error}");
+        assert!(error.contains(cure), "{error}");
+    }
+}

@@ -4,7 +4,7 @@
 //! the address of x is σ(x), σ(δ(x)), σ(δ(δ(x))): the paper's extended IFS address (its section 7), truncated to [`DEPTH`] symbols. One pass
 //! A(x) ← σ(x)·A(δ(x)) makes one more symbol right, from any start.
 
-use super::fractal::Code;
+use super::fractal::{Code, Leaf};
 
 /// Symbols.
 pub(super) const SYMBOLS: usize = 16;
@@ -29,25 +29,31 @@ pub(super) fn fill(code: &Code<'_>, symbols: &Symbols<'_>, levels: &[u8], addres
     addresses.fill(0);
     for _ in 0..DEPTH {
         for &leaf in code.leaves() {
-            let (x, y, side) = leaf.range();
-            let strides = leaf.strides(width / 2);
-            let range_symbol = match symbols {
-                Symbols::Literal(literal) => literal.symbol(leaf.contrast(), leaf.brightness()),
-                Symbols::Tonal(_) => 0,
-            };
-            for v in 0..side {
-                let mut at = strides.start + v as isize * strides.down;
-                for i in (y + v) * width + x..(y + v) * width + x + side {
-                    let symbol = match symbols {
-                        Symbols::Literal(_) => range_symbol,
-                        Symbols::Tonal(tones) => tones.symbols[usize::from(levels[i])],
-                    };
-                    let (column, row) = (at as usize % (width / 2), at as usize / (width / 2));
-                    let further = addresses[2 * row * width + 2 * column];
-                    addresses[i] = u16::from(symbol) << 8 | further >> 4;
-                    at += strides.right;
+            match symbols {
+                Symbols::Literal(literal) => {
+                    let symbol = literal.symbol(leaf.contrast(), leaf.brightness());
+                    pass(leaf, width, addresses, |_| symbol);
+                }
+                Symbols::Tonal(tones) => {
+                    pass(leaf, width, addresses, |i| tones.symbols[usize::from(levels[i])]);
                 }
             }
+        }
+    }
+}
+
+/// A(x) ← σ(x)·A(δ(x)) for the pixels x of a leaf of a plane of `width`.
+#[inline(always)]
+pub(super) fn pass(leaf: Leaf, width: usize, addresses: &mut [u16], symbol: impl Fn(usize) -> u8) {
+    let (x, y, side) = leaf.range();
+    // A pixel of the contracted plane at (c, r) begins at 2(c + r·width) in the plane.
+    let strides = leaf.strides(width);
+    for v in 0..side {
+        let mut at = strides.start + v as isize * strides.down;
+        let start = (y + v) * width + x;
+        for i in start..start + side {
+            addresses[i] = u16::from(symbol(i)) << 8 | addresses[2 * at as usize] >> 4;
+            at += strides.right;
         }
     }
 }

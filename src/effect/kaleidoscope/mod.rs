@@ -24,6 +24,7 @@
 mod address;
 pub mod fractal;
 mod mirrors;
+mod moving;
 mod prepare;
 mod render;
 mod storage;
@@ -33,12 +34,16 @@ mod windows;
 #[cfg(test)]
 mod reference;
 
+pub use moving::{Moving, MovingMoment, Still, moving_storage_len};
 pub use prepare::{TOLERANCE_Q4, storage_len};
 pub use render::Moment;
 pub use texture::Reference;
 
 use super::{Effect, Photo, StorageTooSmall};
-use crate::{frame::Size, noise::drive::Drive};
+use crate::{
+    frame::{Rotation, Size},
+    noise::drive::Drive,
+};
 use fractal::Search;
 use mirrors::Mirrors;
 
@@ -75,6 +80,8 @@ pub struct Settings {
     pub search: Search,
     /// M: symbols of an address, 1 to 3. With fewer, colours are means over larger parts of the reference.
     pub depth: u8,
+    /// How the panel is mounted, and so the photo turned: it is coded upright, the same on every panel.
+    pub rotation: Rotation,
 }
 
 impl Settings {
@@ -84,7 +91,12 @@ impl Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { mode: Mode::default(), search: Search::default(), depth: address::DEPTH as u8 }
+        Self {
+            mode: Mode::default(),
+            search: Search::default(),
+            depth: address::DEPTH as u8,
+            rotation: Rotation::None,
+        }
     }
 }
 
@@ -100,6 +112,7 @@ pub struct Kaleidoscope<S> {
 
 impl<S: AsMut<[u64]>> Kaleidoscope<S> {
     /// Prepares `photo` with the colours of `reference` in `storage`, which must hold [`storage_len`] words. The photo's mask is not looked at.
+    /// `progress` is told how much of the coding is done, in per cent.
     ///
     /// # Panics
     /// If the colours of the photo or the reference do not have the lengths that their sizes ask for.
@@ -108,8 +121,9 @@ impl<S: AsMut<[u64]>> Kaleidoscope<S> {
         reference: Reference<'_>,
         settings: &Settings,
         storage: S,
+        progress: impl FnMut(u8),
     ) -> Result<Self, StorageTooSmall> {
-        prepare::prepare(photo, reference, settings, storage)
+        prepare::prepare(photo, reference, settings, storage, progress)
     }
 
     /// Gives the memory back.

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     effect::{Photo, StorageTooSmall},
-    frame::Size,
+    frame::{Rotation, Size},
 };
 
 /// What is kept of a photo and its reference: 5 bytes a pixel, or 11 in [`Mode::Watercolour`], and 544 KB.
@@ -41,7 +41,7 @@ pub const fn storage_len(size: Size, settings: &Settings) -> usize {
 const fn scratch_len(size: Size, settings: &Settings) -> usize {
     let (mut most, mut i) = (texture::scratch_len(), 0);
     while i < settings.mode.shifts().len() {
-        let plane = plane_size(size, settings.mode.shifts()[i]);
+        let plane = plane_size(settings.rotation.turned(size), settings.mode.shifts()[i]);
         let pixels = plane.pixels();
         let coding = words::<u8>(pixels)
             + words::<u8>(pixels / 4)
@@ -82,6 +82,7 @@ pub(super) fn prepare<S: AsMut<[u64]>>(
     reference: Reference<'_>,
     settings: &Settings,
     mut storage: S,
+    mut progress: impl FnMut(u8),
 ) -> Result<Kaleidoscope<S>, StorageTooSmall> {
     let Settings { mode, .. } = *settings;
     assert_eq!(photo.rgb.len(), photo.size.pixels() * 3, "the photo's colours do not have its size");
@@ -99,34 +100,53 @@ pub(super) fn prepare<S: AsMut<[u64]>>(
     let depth = u32::from(settings.depth).clamp(1, DEPTH);
     texture::fill(reference, depth, planes.texels, planes.scratch)?;
     planes.rgb.copy_from_slice(photo.rgb.as_chunks().0);
+    let upright =
+        Upright { rgb: planes.rgb, size: settings.rotation.turned(photo.size), rotation: settings.rotation };
     let layers = planes.addresses.chunks_exact_mut(photo.size.pixels().max(1));
     let mut tones = None;
-    for (&shift, layer) in mode.shifts().iter().zip(layers) {
-        fill_addresses(planes.rgb, photo.size, shift, settings, &mut tones, planes.scratch, layer)
+    for (i, (&shift, layer)) in mode.shifts().iter().zip(layers).enumerate() {
+        let whole = plane_size(upright.size, shift).pixels() * mode.shifts().len();
+        let progress =
+            |pixels: usize| progress(((pixels + i * whole / mode.shifts().len()) * 100 / whole) as u8);
+        fill_addresses(&upright, shift, settings, &mut tones, planes.scratch, layer, progress)
             .ok_or(too_small)?;
     }
     let tonal = tones.map(|tones| (Summary::new(planes.texels), tones));
     Ok(Kaleidoscope { size: photo.size, mode, depth, mirrors: Mirrors::new(tonal), storage })
 }
 
-/// Codes the photo with its corner at `shift` and fills the addresses of its pixels. `tones` are those of the first code.
-fn fill_addresses(
-    rgb: &[[u8; 3]],
+/// A photo of a panel that is mounted turned.
+struct Upright<'a> {
+    /// As the panel shows it.
+    rgb: &'a [[u8; 3]],
+    /// As a person sees it.
     size: Size,
+    rotation: Rotation,
+}
+
+/// Codes the photo with its corner at `shift` and fills the addresses of its pixels. `tones` are those of the first code. `progress` is told
+/// how many pixels are coded.
+fn fill_addresses(
+    upright: &Upright<'_>,
     shift: (u32, u32),
     settings: &Settings,
     tones: &mut Option<Tones>,
     mut scratch: &mut [u64],
     layer: &mut [u16],
+    progress: impl FnMut(usize),
 ) -> Option<()> {
+    let (size, rotation) = (upright.size, upright.rotation);
     let plane = plane_size(size, shift);
     let memory = &mut scratch;
     let levels = take::<u8>(memory, plane.pixels())?;
     let contracted = take::<u8>(memory, plane.pixels() / 4)?;
     let leaves = take::<Leaf>(memory, most_leaves(plane))?;
-    fractal::fill_plane(size, shift, levels, |i| luma(rgb[i]));
+    fractal::fill_plane(size, shift, levels, |i| {
+        let place = (i % size.width as usize, i / size.width as usize);
+        luma(upright.rgb[rotation.turned_place(place, size)])
+    });
     let options = Options { search: settings.search, tolerance_q4: TOLERANCE_Q4, ..Options::default() };
-    let code = fractal::encode(levels, plane, &options, memory, leaves, |_| ()).ok()?;
+    let code = fractal::encode(levels, plane, &options, memory, leaves, progress).ok()?;
     fractal::decode(&code, SWEEPS, levels, contracted);
 
     let addresses = take::<u16>(memory, plane.pixels())?;
@@ -140,10 +160,11 @@ fn fill_addresses(
     address::fill(&code, &symbols, levels, addresses);
     let (width, columns) = (plane.width as usize, size.width as usize);
     let cut = 4 * (DEPTH - u32::from(settings.depth).clamp(1, DEPTH));
-    let rows = addresses.chunks_exact(width).skip(shift.1 as usize);
-    for (row, out) in rows.zip(layer.chunks_exact_mut(columns)) {
-        let row = &row[shift.0 as usize..][..columns];
-        out.iter_mut().zip(row).for_each(|(out, &address)| *out = address >> cut);
+    let rows = addresses.chunks_exact(width).skip(shift.1 as usize).take(size.height as usize);
+    for (y, row) in rows.enumerate() {
+        for (x, &address) in row[shift.0 as usize..][..columns].iter().enumerate() {
+            layer[rotation.turned_place((x, y), size)] = address >> cut;
+        }
     }
     Some(())
 }

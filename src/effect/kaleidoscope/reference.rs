@@ -176,7 +176,7 @@ impl Shown {
         let mask = vec![0; size.pixels()];
         let photo = Photo { size, rgb: &rgb, mask: &mask };
         let storage = vec![0; storage_len(size, &settings)];
-        let kaleidoscope = Kaleidoscope::prepare(photo, reference, &settings, storage).unwrap();
+        let kaleidoscope = Kaleidoscope::prepare(photo, reference, &settings, storage, |_| ()).unwrap();
         Self { size, rgb, kaleidoscope }
     }
 
@@ -249,6 +249,17 @@ fn photos_of_any_size_and_of_one_colour_and_their_own_reference_work() {
 }
 
 #[test]
+fn progress_goes_from_nothing_to_all() {
+    let settings = Settings::default();
+    let (rgb, mut told) = (waves(SIZE, 7), vec![0]);
+    let photo = Photo { size: SIZE, rgb: &rgb, mask: &[] };
+    let storage = vec![0; storage_len(SIZE, &settings)];
+    let reference = Reference { size: SIZE, rgb: &rgb };
+    Kaleidoscope::prepare(photo, reference, &settings, storage, |percent| told.push(percent)).unwrap();
+    assert!(told.is_sorted() && told.last() == Some(&100) && told.len() > 20, "{told:?}");
+}
+
+#[test]
 fn too_little_storage_is_refused_with_what_is_needed() {
     let settings = Settings::default();
     let rgb = waves(SIZE, 1);
@@ -256,7 +267,7 @@ fn too_little_storage_is_refused_with_what_is_needed() {
     let needed = storage_len(SIZE, &settings);
     let mut storage = vec![0; needed - 1];
     let reference = Reference { size: SIZE, rgb: &rgb };
-    let error = Kaleidoscope::prepare(photo, reference, &settings, &mut storage[..]).unwrap_err();
+    let error = Kaleidoscope::prepare(photo, reference, &settings, &mut storage[..], |_| ()).unwrap_err();
     assert_eq!(error, StorageTooSmall { needed, got: needed - 1 });
     assert!(needed > words::<u16>(SIZE.pixels() * 4));
 }

@@ -75,7 +75,7 @@ fn colour(table: &[Texel; ADDRESSES], address: u16) -> Texel {
     table[usize::from(address) % ADDRESSES]
 }
 
-fn one(addresses: &[u16], table: &[Texel; ADDRESSES], levels: &mut Levels<'_>) {
+pub(super) fn one(addresses: &[u16], table: &[Texel; ADDRESSES], levels: &mut Levels<'_>) {
     let channels = levels.red.iter_mut().zip(&mut *levels.green).zip(&mut *levels.blue);
     for (((red, green), blue), &address) in channels.zip(addresses) {
         [*red, *green, *blue] = colour(table, address).channels();

@@ -33,11 +33,14 @@ pub(crate) struct Args {
     /// The side of the counted frames, in pixels.
     #[arg(long, hide = true, default_value_t = 256)]
     counted_side: u32,
+    /// Count frames of a source that moves.
+    #[arg(long, hide = true)]
+    counted_moving: bool,
 }
 
 pub(crate) fn measure(args: &Args) -> Result<(), Failure> {
     if let Some(frames) = args.counted_frames {
-        cost::render(frames, args.counted_mode, args.counted_side);
+        cost::render(frames, args.counted_mode, args.counted_side, args.counted_moving);
         return Ok(());
     }
     for path in &args.coding {

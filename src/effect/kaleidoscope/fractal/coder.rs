@@ -28,6 +28,19 @@ impl Default for Options {
     }
 }
 
+impl Options {
+    /// Whether ranges of `side` are not cut.
+    fn is_last(&self, side: usize) -> bool {
+        side <= usize::from(self.smallest).max(SMALLEST)
+    }
+
+    /// The largest error of a range that is not cut in four, Q20.
+    const fn allowed(&self, side: usize) -> u64 {
+        let tolerance = self.tolerance_q4 as u64;
+        (tolerance * tolerance * (side * side) as u64) << 12
+    }
+}
+
 /// The most leaves of a plane of `size`.
 pub const fn most_leaves(size: Size) -> usize {
     size.pixels() / (SMALLEST * SMALLEST)
@@ -69,23 +82,17 @@ pub fn encode<'a>(
     let mut side = LARGEST;
     while side >= SMALLEST {
         let mut finder = Finder::new(&planes, side, options.search, &mut *memory);
-        let last = side <= usize::from(options.smallest).max(SMALLEST);
         for y in (0..size.height as usize).step_by(side) {
             for x in (0..size.width as usize).step_by(side) {
                 let first = slot(x, y, size);
-                if leaves[first].side == 0
-                    && let (leaf, error) = best(&planes, &mut finder, x, y, side)
-                    && (last || error <= allowed(options, side))
-                {
-                    let cells = (side / SMALLEST).pow(2);
-                    leaves[first..first + cells].iter_mut().for_each(|leaf| leaf.side = Leaf::COVERED);
-                    leaves[first] = leaf;
+                let places = &mut leaves[first..first + (side / SMALLEST).pow(2)];
+                if settle(&planes, &mut finder, options, (x, y), side, places) {
                     done += side * side;
                 }
             }
             progress(done);
         }
-        if last {
+        if options.is_last(side) {
             break;
         }
         side /= 2;
@@ -93,17 +100,70 @@ pub fn encode<'a>(
     Ok(Code { plane: size, leaves: compacted(leaves) })
 }
 
+/// Makes the range of `side` at (x, y) one leaf, in `places`, if it is not cut yet and need not be.
+fn settle(
+    planes: &Planes<'_>,
+    finder: &mut Finder<'_>,
+    options: &Options,
+    (x, y): (usize, usize),
+    side: usize,
+    places: &mut [Leaf],
+) -> bool {
+    if places[0].side != 0 {
+        return false;
+    }
+    let (leaf, error) = best(planes, finder, x, y, side);
+    let settled = options.is_last(side) || error <= options.allowed(side);
+    if settled {
+        places.iter_mut().for_each(|place| place.side = Leaf::COVERED);
+        places[0] = leaf;
+    }
+    settled
+}
+
+/// Brings the leaves of the block of [`LARGEST`] pixels at `corner` up to date with `levels` and their contraction. While all describe their ranges to
+/// 3/2 of the tolerance they stay; the smallest are good for anything. Else the block is coded anew by the domains around its ranges.
+///
+/// A block whose leaves are all small costs nothing; another, an evaluation of each larger leaf.
+pub(in super::super) fn follow(
+    levels: &[u8],
+    contracted: &[u8],
+    size: Size,
+    options: &Options,
+    corner: (usize, usize),
+    leaves: &mut [Leaf],
+) {
+    let planes = Planes { levels, contracted, size };
+    let stays = |leaf: &Leaf| {
+        let (x, y, side) = leaf.range();
+        side == SMALLEST || {
+            let range = Block::at(levels, size.width as usize, x, y, side);
+            4 * Candidate::evaluate(&planes, &range, *leaf).error <= 9 * options.allowed(side)
+        }
+    };
+    if leaves[0].side != 0 && leaves.iter().filter(|leaf| leaf.is_range()).all(stays) {
+        return;
+    }
+    leaves.fill(Leaf::default());
+    for side in [16, 8, 4] {
+        for (i, places) in leaves.chunks_exact_mut((side / SMALLEST).pow(2)).enumerate() {
+            // The order of the quadtree: quarters, then cells.
+            let (x, y) = match side {
+                16 => (0, 0),
+                8 => (i & 1, i >> 1),
+                _ => ((i & 4) >> 1 | i & 1, (i & 8) >> 2 | (i & 2) >> 1),
+            };
+            let place = (corner.0 + x * side, corner.1 + y * side);
+            settle(&planes, &mut Finder::Concentric, options, place, side, places);
+        }
+    }
+}
+
 /// What is coded.
 pub(super) struct Planes<'a> {
     pub(super) levels: &'a [u8],
     pub(super) contracted: &'a [u8],
     pub(super) size: Size,
-}
-
-/// The largest error of a range that is not cut in four, Q20.
-const fn allowed(options: &Options, side: usize) -> u64 {
-    let tolerance = options.tolerance_q4 as u64;
-    (tolerance * tolerance * (side * side) as u64) << 12
 }
 
 /// Ranges whose levels deviate by less than this are flat: any domain would do, and the one around them leaves skies smooth where

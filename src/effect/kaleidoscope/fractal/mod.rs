@@ -23,6 +23,7 @@ mod search;
 #[cfg(test)]
 mod reference;
 
+pub(super) use coder::follow;
 pub use coder::{Options, encode, most_leaves, scratch_len};
 pub use decoder::{contract, decode, sweep};
 pub(super) use isometry::Strides;
@@ -89,6 +90,11 @@ impl Leaf {
     /// The column, the row and the side of the range.
     pub const fn range(self) -> (usize, usize, usize) {
         (self.x as usize, self.y as usize, self.side as usize)
+    }
+
+    /// Whether it is one, and no place that a larger one covers.
+    pub(super) const fn is_range(self) -> bool {
+        self.side != 0 && self.side != Self::COVERED
     }
 
     /// k: 16 times the contrast.

@@ -39,7 +39,7 @@ pub(super) fn table(photo: &Picture, reference: &Picture) -> Result<(), Failure>
         let prepared = Photo { size: photo.size, rgb: &photo.rgb, mask: &mask };
         let colours = Reference { size: reference.size, rgb: &reference.rgb };
         let storage = vec![0; storage_len(photo.size, &settings)];
-        let mut kaleidoscope = Kaleidoscope::prepare(prepared, colours, &settings, storage)?;
+        let mut kaleidoscope = Kaleidoscope::prepare(prepared, colours, &settings, storage, |_| ())?;
         let layout = Layout::new(photo.size, PixelFormat::Bgr888, None)?;
         let mut oscillator = Oscillator::new(drive::Settings::default(), 7);
         let (mut before, mut frame) = (Vec::new(), vec![0; layout.len_bytes()]);
