@@ -202,6 +202,7 @@ pub(super) fn turned(mut life: Life, rotation: Rotation) -> Life {
     let shimmer = &mut life.shimmer;
     shimmer.light.azimuth = shimmer.light.azimuth.plus(turn);
     shimmer.wind = shimmer.wind.plus(turn);
+    life.autumn.rotation = rotation;
     life
 }
 

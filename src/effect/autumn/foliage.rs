@@ -4,7 +4,7 @@
 //! with the symbols of every cell shuffled, so that neither squares nor an order of the quarters can be seen. Six symbols make a
 //! twig, two more a leaf. The light on a leaf is that of the photo.
 
-use super::{noise::fbm, species::Species, storage::Texel, view::TREE_DEPTHS};
+use super::{mount::Mount, noise::fbm, species::Species, storage::Texel, view::TREE_DEPTHS};
 use crate::{effect::Photo, math::random::scatter};
 
 /// Levels of the quadtree for a twig, and for the leaf within it.
@@ -18,14 +18,15 @@ const GREEN_LUMA: u32 = 140;
 const GREEN: i32 = 28;
 
 /// Fills the texels from the photo's foliage: what its mask holds and is green.
-pub(super) fn fill(texels: &mut [Texel], photo: Photo<'_>, species: &Species, seed: u64) {
-    let (width, height) = (photo.size.width as usize, photo.size.height);
+pub(super) fn fill(texels: &mut [Texel], photo: Photo<'_>, mount: Mount, species: &Species, seed: u64) {
+    let (width, height) = (photo.size.width as usize, mount.upright().height);
     let colours = photo.rgb.as_chunks::<3>().0;
     for (at, ((texel, &colour), &mask)) in texels.iter_mut().zip(colours).zip(photo.mask).enumerate() {
         let cover = (u32::from(mask) * greenness(colour) / 255) as u8;
         *texel = Texel::default();
         if cover > 0 {
-            let cell = cell((at % width) as u32, (at / width) as u32, height, seed);
+            let [x, y] = mount.pixel((at % width) as i32, (at / width) as i32);
+            let cell = cell(x as u32, y as u32, height, seed);
             let twig = ((cell >> (2 * LEAF_LEVELS)) as usize * species.twigs()) >> (2 * TWIG_LEVELS);
             texel.address = (twig as u16) << 4 | (cell & 15) as u16;
             texel.depth = *TREE_DEPTHS.start();

@@ -1,6 +1,6 @@
 //! What is behind the tree: an autumn sky, misty hills, a meadow.
 
-use super::noise::fbm;
+use super::{mount::Mount, noise::fbm};
 use crate::{frame::Size, math::random::scatter};
 
 /// Colours down the sky, from the zenith to the horizon, sRGB, and where each is, of 256.
@@ -18,11 +18,12 @@ const MEADOW: [[i32; 3]; 2] = [[146, 148, 100], [72, 84, 40]];
 pub(super) const HORIZON: i32 = 212;
 
 /// Paints the background.
-pub(super) fn paint(background: &mut [[u8; 3]], size: Size, root: [i32; 2], spread: i32, seed: u64) {
-    let (width, height) = (size.width as i32, size.height as i32);
+pub(super) fn paint(background: &mut [[u8; 3]], mount: Mount, root: [i32; 2], spread: i32, seed: u64) {
+    let Size { width, height } = mount.upright();
+    let (width, height) = (width as i32, height as i32);
     let horizon = height * HORIZON / 256;
-    for (y, row) in (0..height).zip(background.chunks_exact_mut(size.width as usize)) {
-        for (x, pixel) in (0..width).zip(row) {
+    for y in 0..height {
+        for x in 0..width {
             let colour = if y < horizon {
                 above(x, y, horizon, height, seed)
             } else {
@@ -31,7 +32,7 @@ pub(super) fn paint(background: &mut [[u8; 3]], size: Size, root: [i32; 2], spre
             };
             // Half a level of noise, so that the sky has no bands.
             let grain = (scatter((y as u64) << 32 | x as u64) >> 56) as i32;
-            *pixel = colour.map(|level| ((level + grain) >> 8).clamp(0, 255) as u8);
+            background[mount.index(x, y)] = colour.map(|level| ((level + grain) >> 8).clamp(0, 255) as u8);
         }
     }
 }
