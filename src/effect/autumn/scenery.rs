@@ -72,10 +72,12 @@ fn above(x: i32, y: i32, horizon: i32, height: i32, seed: u64) -> [i32; 3] {
 fn meadow(x: i32, y: i32, horizon: i32, height: i32, seed: u64) -> [i32; 3] {
     let near = (y - horizon) * 256 / (height - horizon).max(1);
     let base = blend(MEADOW[0], MEADOW[1], near);
-    // Far grass is fine and short, near grass coarse and long; one goes over into the other.
-    let blades =
-        |cells: i32, tall: i32, seed| fbm(scaled(x, cells, height), scaled(y, cells / tall, height), 3, seed);
-    let (far, close) = (blades(260, 1, seed ^ 11), blades(110, 4, seed ^ 13));
+    // Far grass is fine and short, near grass coarse, longer, and leans to either side; one goes over into the other.
+    let lean = fbm(scaled(x, 24, height), scaled(y, 36, height), 3, seed ^ 14) >> 5;
+    let blades = |cells: i32, tall: i32, lean: i32, seed| {
+        fbm(scaled(x, cells, height) + lean * cells, scaled(y, cells / tall, height), 3, seed)
+    };
+    let (far, close) = (blades(260, 1, 0, seed ^ 11), blades(130, 2, lean, seed ^ 13));
     let blades = (far * (256 - near) + close * near) >> 8;
     // Patches lie in perspective: the same at any distance.
     let depth = (1 << 24) / (near + 28);
