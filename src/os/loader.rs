@@ -8,6 +8,7 @@ use super::{
 use crate::{
     app::{Picture, playlist::PhotoId},
     frame::Size,
+    math::Turns,
     noise::drive,
 };
 use std::{
@@ -28,6 +29,8 @@ pub(super) struct Living {
     pub(super) picture: Picture<Vec<u64>>,
     /// How it lives.
     pub(super) way: Way,
+    /// From where a grown tree is seen; photos have one side.
+    pub(super) azimuth: Option<Turns>,
     /// The noises and times of the photo's own look.
     pub(super) drive: drive::Settings,
     /// How long it is to be shown.
@@ -45,6 +48,8 @@ struct Order {
     other: Option<PathBuf>,
     /// How it is to live, where a button has chosen that.
     way: Option<Way>,
+    /// From where a tree is seen.
+    azimuth: Turns,
     size: Size,
     storage: Vec<u64>,
     config: Arc<Config>,
@@ -96,18 +101,20 @@ impl Loader {
     }
 
     /// Orders a photo for a panel of `size`, as `config` says; without a path, the demo photo. A kaleidoscope takes the colours of
-    /// the `other` one.
+    /// the `other` one; a tree is seen from the `azimuth`.
+    #[expect(clippy::too_many_arguments, reason = "they are what an order is made of")]
     pub(super) fn order(
         &mut self,
         id: PhotoId,
         path: Option<PathBuf>,
         other: Option<PathBuf>,
         way: Option<Way>,
+        azimuth: Turns,
         size: Size,
         config: &Arc<Config>,
     ) {
         let (storage, config) = (self.spare.pop().unwrap_or_default(), Arc::clone(config));
-        let order = Order { id, path, other, way, size, storage, config };
+        let order = Order { id, path, other, way, azimuth, size, storage, config };
         self.at = self.orders.send(order).is_ok().then_some(id);
         self.cancelled = false;
     }
@@ -140,15 +147,17 @@ impl Loader {
 }
 
 fn load(order: Order) -> Result<Living, Failure> {
-    let Order { id, path, other, way, size, storage, config } = order;
+    let Order { id, path, other, way, azimuth, size, storage, config } = order;
     let source = path.as_deref().map_or(Source::Demo, Source::File);
     let scene = Scene::load_as(source, other.as_deref(), way, size, &config)?;
-    let life = scene::turned(scene.look().life.at(config.frames_per_second), config.rotation);
+    let mut life = scene::turned(scene.look().life.at(config.frames_per_second), config.rotation);
+    life.autumn.azimuth = azimuth;
     Ok(Living {
         id,
         caption: scene.caption().to_owned(),
         size,
         way: scene.way(),
+        azimuth: scene.is_grown().then_some(azimuth),
         picture: scene.prepare(&life, storage)?,
         drive: life.drive,
         seconds: scene.look().seconds,

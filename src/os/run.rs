@@ -4,7 +4,7 @@ use super::{
     Failure,
     album::Album,
     args,
-    autumn::SeasonClock,
+    autumn::{Orbit, SeasonClock},
     config::Config,
     dimmer::Dimmer,
     evdev::Keyboards,
@@ -102,6 +102,7 @@ struct Running {
     dimmer: Dimmer,
     show: Show,
     season: SeasonClock,
+    orbit: Orbit,
     clock: Instant,
     interrupt: Interrupt,
     reload: ReloadRequest,
@@ -137,6 +138,7 @@ impl Running {
             keyboards.set_keys(config.actions);
         }
         let season = SeasonClock::new(config.plain_look().season, config.calendar, &config.night.zone)?;
+        let orbit = Orbit::new(config.plain_look().around_minutes);
         let dimmer = Dimmer::new(&config, panel.is_bare())?;
         Ok(Self {
             loader: Loader::start()?,
@@ -150,6 +152,7 @@ impl Running {
             dimmer,
             show,
             season,
+            orbit,
             clock: Instant::now(),
             interrupt: Interrupt::install()?,
             reload: ReloadRequest::install()?,
@@ -280,6 +283,10 @@ impl Running {
             None => {}
         }
         let Some(wanted) = self.album.current() else { return self.give_up() };
+        // The camera stands while what it sees is prepared and comes.
+        if self.next.is_none() && self.leaving.is_none() && !self.loader.is_busy() {
+            self.orbit.go(self.clock.elapsed());
+        }
         let shown = self
             .current
             .as_ref()
@@ -296,14 +303,23 @@ impl Running {
                 self.loader.recycle(other);
             }
             let other = self.album.neighbour(wanted);
-            self.loader.order(wanted, self.album.path(wanted), other, self.way, size, &self.config);
+            self.loader.order(
+                wanted,
+                self.album.path(wanted),
+                other,
+                self.way,
+                self.orbit.azimuth(),
+                size,
+                &self.config,
+            );
         }
         Ok(())
     }
 
-    /// Whether a photo lives in the way that a button has chosen.
+    /// Whether a photo lives in the way that a button has chosen, and a tree is seen from where the camera is.
     fn is_wanted(&self, living: &Living) -> bool {
         self.way.is_none_or(|way| living.way.looks_as(way))
+            && living.azimuth.is_none_or(|azimuth| azimuth == self.orbit.azimuth())
     }
 
     /// The photo comes again in another way, once it is prepared; that one goes on meanwhile.
@@ -318,7 +334,15 @@ impl Running {
     fn order_upcoming(&mut self, size: Size) {
         if let Some(upcoming) = self.album.upcoming() {
             let other = self.album.neighbour(upcoming);
-            self.loader.order(upcoming, self.album.path(upcoming), other, self.way, size, &self.config);
+            self.loader.order(
+                upcoming,
+                self.album.path(upcoming),
+                other,
+                self.way,
+                self.orbit.azimuth(),
+                size,
+                &self.config,
+            );
         }
     }
 
@@ -367,7 +391,9 @@ impl Running {
 
     /// Goes on with another configuration. If it fails, nothing has changed.
     fn change(&mut self, config: Config) -> Result<(), Failure> {
+        let season = SeasonClock::new(config.plain_look().season, config.calendar, &config.night.zone)?;
         self.dimmer.change(&config)?;
+        (self.season, self.orbit) = (season, Orbit::new(config.plain_look().around_minutes));
         let before = std::mem::replace(&mut self.config, Arc::new(config));
         let config = Arc::clone(&self.config);
         set_log_level(config.log);

@@ -166,6 +166,11 @@ impl Scene {
         Way { effect: self.look.effect, mode: self.look.life.kaleidoscope.mode }
     }
 
+    /// Whether it is a tree of the program's own, and not of a photo.
+    pub(super) fn is_grown(&self) -> bool {
+        self.tree.as_ref().is_some_and(|grove| !grove.in_photo)
+    }
+
     /// The photo with the effect that was chosen for it, which lives as `life` says.
     ///
     /// # Errors
