@@ -61,7 +61,7 @@ pub(super) fn fill_synthetic(plates: &mut [Light], species: &Species, seed: u64,
             let local =
                 ((stage as i64) << 16) + hundredths(115) * i64::from(spread) / (1 << 16) * noise / (1 << 15);
             let other = if spotted { i64::from(fbm(place(x), place(y), 2, seed ^ 0x3ed)) } else { 0 };
-            let reds = (1 << 16) + hundredths(120) * other / (1 << 15);
+            let reds = (1 << 16) + hundredths(35) * other / (1 << 15);
             *light = reflected(species, local.clamp(0, 6 << 16) as u32, reds);
         }
     }
