@@ -323,6 +323,9 @@ pub struct Look {
     /// In how many minutes a show goes through them, to begin again; without --season and this it follows the calendar.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_440))]
     pub season_minutes: Option<u32>,
+    /// In how many minutes a show goes once around an autumn's own tree, in small steps; without it, it is seen from one side.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(5..=1_440))]
+    pub around_minutes: Option<u32>,
     /// How likely a twig turns with its bough, 0 to 1; else it goes its own way.
     #[arg(long, value_name = "P", value_parser = share)]
     pub patchiness: Option<Factor>,

@@ -8,6 +8,7 @@ use crate::{
     },
     effect::autumn::{KNOWN, PLATE_CELLS, PLATE_SIDE, Plates, STAGES, Species, Stage},
     frame::{Size, srgb},
+    math::Turns,
 };
 use std::{
     convert::Infallible,
@@ -77,6 +78,40 @@ impl Season {
     pub(super) fn of_film(&self, done: u32, frames: u32) -> Stage {
         let (from, to) = self.stages.unwrap_or(Self::WHOLE);
         from.towards(to, done.into(), u64::from(frames.max(2)) - 1)
+    }
+}
+
+/// The camera's way around a tree.
+///
+/// A tree is painted as it is seen from one side; from another it is another picture. So the camera goes in steps: each is prepared
+/// while the one before is shown, and they fade into each other. A machine that takes longer for a tree goes in larger steps.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Orbit {
+    minutes: Option<u32>,
+    azimuth: Turns,
+}
+
+impl Orbit {
+    /// Steps of a turn: with 2° the outermost leaves move by a hundredth of the picture's height.
+    const STEPS: u128 = 180;
+
+    /// Around the tree in `minutes`; without them, the camera stands.
+    pub(super) const fn new(minutes: Option<u32>) -> Self {
+        Self { minutes, azimuth: Turns(0) }
+    }
+
+    /// From where the tree is seen.
+    pub(super) const fn azimuth(&self) -> Turns {
+        self.azimuth
+    }
+
+    /// Goes to where the camera is to be, `now` after the start of the show.
+    pub(super) fn go(&mut self, now: Duration) {
+        if let Some(minutes) = self.minutes {
+            let turn = u128::from(minutes) * 60_000;
+            let step = now.as_millis() * Self::STEPS / turn % Self::STEPS;
+            self.azimuth = Turns(((step << 32) / Self::STEPS) as u32);
+        }
     }
 }
 
@@ -262,6 +297,19 @@ mod tests {
         assert!(error.contains("oak.tree: line 2, column 14: this [ is never closed"), "{error}");
         let error = species(&TreeChoice::File("nowhere.tree".into())).expect_err("no file").to_string();
         assert!(error.contains("there is no such tree") && error.contains("maple"), "{error}");
+    }
+
+    #[test]
+    fn the_camera_goes_around_in_its_minutes_or_stands() {
+        let mut orbit = Orbit::new(Some(10));
+        for (seconds, degrees) in [(0, 0), (150, 90), (151, 90), (599, 358), (600, 0)] {
+            orbit.go(Duration::from_secs(seconds));
+            let off = orbit.azimuth().0.abs_diff(Turns::from_degrees(degrees).0);
+            assert!(off < 1 << 16, "after {seconds} s it is {off} off");
+        }
+        let mut still = Orbit::new(None);
+        still.go(Duration::from_secs(150));
+        assert_eq!(still.azimuth(), Turns(0));
     }
 
     #[test]

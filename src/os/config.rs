@@ -83,6 +83,8 @@ pub struct Look {
     pub plates: PlatesChoice,
     /// The stages that an autumn goes through; without a word, those of the calendar.
     pub season: Season,
+    /// In how many minutes the camera goes once around an autumn's own tree; without a word it stands.
+    pub around_minutes: Option<u32>,
     /// How it lives, at [`DEFAULT_FRAMES_PER_SECOND`].
     pub life: Life,
     /// What of it moves; without a word the mask beside the photo says, else the automatic one.
@@ -103,6 +105,7 @@ impl Default for Look {
             tree: TreeChoice::default(),
             plates: PlatesChoice::default(),
             season: Season::default(),
+            around_minutes: None,
             life: Life::default(),
             mask: None,
             fit: Fit::default(),
@@ -224,6 +227,7 @@ impl args::Look {
         }
         look.season.stages = self.stage.map(|stage| (stage, stage)).or(self.season).or(look.season.stages);
         look.season.minutes = self.season_minutes.or(look.season.minutes);
+        look.around_minutes = self.around_minutes.or(look.around_minutes);
         let Life { drive, shimmer, kaleidoscope, autumn } = &mut look.life;
         autumn.patchiness = self.patchiness.unwrap_or(autumn.patchiness);
         autumn.sun = self.sun.map_or(autumn.sun, |sun| sun.0);

@@ -132,6 +132,7 @@ pub(super) fn life(document: &mut Document<'_>, section: &'static str, look: &mu
             choice => choice,
         })
     });
+    document.read_some((section, "around-minutes"), &mut look.around_minutes, whole(5..=1_440));
     let autumn = &mut look.life.autumn;
     document.read((section, "patchiness"), &mut autumn.patchiness, number(args::share));
     document.read((section, "sun"), &mut autumn.sun, |value| worded(args::sun)(value).map(|sun| sun.0));

@@ -75,7 +75,7 @@ const MAX_BYTES: u64 = 1 << 20;
 pub(super) fn read_text(path: &Path) -> Result<String, ConfigError> {
     let name = path.display().to_string();
     let system = |error: std::io::Error| ConfigError::whole(name.as_str(), error.to_string());
-    let not_a_file = || ConfigError::whole(name.as_str(), "this is no file; name a file of settings");
+    let not_a_file = || ConfigError::whole(name.as_str(), "this is no file; name a text file");
     if !fs::metadata(path).map_err(system)?.is_file() {
         return Err(not_a_file());
     }
@@ -87,7 +87,7 @@ pub(super) fn read_text(path: &Path) -> Result<String, ConfigError> {
     let mut bytes = Vec::new();
     file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(system)?;
     if bytes.len() as u64 > MAX_BYTES {
-        return Err(ConfigError::whole(name, "this is larger than 1 MiB, and so no file of settings"));
+        return Err(ConfigError::whole(name, "this is larger than 1 MiB; make it shorter"));
     }
     decode(&name, bytes)
 }

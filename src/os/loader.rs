@@ -9,6 +9,7 @@ use crate::{
     app::{Picture, playlist::PhotoId},
     config::EffectChoice,
     frame::Size,
+    math::Turns,
     noise::drive,
 };
 use std::{
@@ -33,6 +34,8 @@ pub(super) struct Living {
     pub(super) way: Way,
     /// The photo whose colours a kaleidoscope was asked to take.
     pub(super) colours: Option<PathBuf>,
+    /// From where a grown tree is seen; photos have one side.
+    pub(super) azimuth: Option<Turns>,
     /// The noises and times of the photo's own look.
     pub(super) drive: drive::Settings,
     /// How long it is to be shown.
@@ -55,6 +58,8 @@ struct Order {
     colours: Option<Colours>,
     /// How it is to live, where a button has chosen that.
     way: Option<Way>,
+    /// From where a tree is seen.
+    azimuth: Turns,
     size: Size,
     storage: Vec<u64>,
     config: Arc<Config>,
@@ -134,19 +139,22 @@ impl Loader {
         (percent > 0).then(|| Encoding { name: Arc::clone(&self.name), percent })
     }
 
-    /// Orders a photo for a panel of `size`, as `config` says; without a path, the demo photo. A kaleidoscope takes `colours`.
+    /// Orders a photo for a panel of `size`, as `config` says; without a path, the demo photo. A kaleidoscope takes
+    /// `colours`; a tree is seen from the `azimuth`.
+    #[expect(clippy::too_many_arguments, reason = "they are what an order is made of")]
     pub(super) fn order(
         &mut self,
         id: PhotoId,
         path: Option<PathBuf>,
         colours: Option<Colours>,
         way: Option<Way>,
+        azimuth: Turns,
         size: Size,
         config: &Arc<Config>,
     ) {
         self.name = path.as_deref().map_or("the demo photo".into(), caption::name_of).into();
         let (storage, config) = (self.spare.pop().unwrap_or_default(), Arc::clone(config));
-        let order = Order { id, path, colours, way, size, storage, config };
+        let order = Order { id, path, colours, way, azimuth, size, storage, config };
         self.at = self.orders.send(order).is_ok().then_some(id);
         self.cancelled = false;
     }
@@ -179,16 +187,18 @@ impl Loader {
 }
 
 fn load(order: Order, coded: &AtomicU8) -> Result<Living, Failure> {
-    let Order { id, path, colours, way, size, storage, config } = order;
+    let Order { id, path, colours, way, azimuth, size, storage, config } = order;
     let source = path.as_deref().map_or(Source::Demo, Source::File);
     let scene = Scene::load_as(source, colours, way, size, &config)?;
-    let life = scene::turned(scene.look().life.at(config.frames_per_second), config.rotation);
+    let mut life = scene::turned(scene.look().life.at(config.frames_per_second), config.rotation);
+    life.autumn.azimuth = azimuth;
     Ok(Living {
         id,
         caption: scene.caption().to_owned(),
         size,
         way: scene.way(),
         colours: scene.colours().map(Into::into),
+        azimuth: scene.is_grown().then_some(azimuth),
         picture: scene.prepare(&life, storage, |percent| coded.store(percent, Ordering::Relaxed))?,
         drive: life.drive,
         seconds: scene.look().seconds,

@@ -4,7 +4,7 @@ use super::{
     Failure,
     album::Album,
     args,
-    autumn::SeasonClock,
+    autumn::{Orbit, SeasonClock},
     config::Config,
     dimmer::Dimmer,
     evdev::Keyboards,
@@ -102,6 +102,7 @@ struct Running {
     dimmer: Dimmer,
     show: Show,
     season: SeasonClock,
+    orbit: Orbit,
     clock: Instant,
     interrupt: Interrupt,
     reload: ReloadRequest,
@@ -139,6 +140,7 @@ impl Running {
             keyboards.set_keys(config.actions);
         }
         let season = SeasonClock::new(config.plain_look().season, config.calendar, &config.night.zone)?;
+        let orbit = Orbit::new(config.plain_look().around_minutes);
         let dimmer = Dimmer::new(&config, panel.is_bare())?;
         Ok(Self {
             loader: Loader::start()?,
@@ -152,6 +154,7 @@ impl Running {
             dimmer,
             show,
             season,
+            orbit,
             clock: Instant::now(),
             interrupt: Interrupt::install()?,
             reload: ReloadRequest::install()?,
@@ -287,6 +290,10 @@ impl Running {
             None => {}
         }
         let Some(wanted) = self.album.current() else { return self.give_up() };
+        // The camera stands while what it sees is prepared and comes.
+        if self.next.is_none() && self.leaving.is_none() && !self.loader.is_busy() {
+            self.orbit.go(self.clock.elapsed());
+        }
         let shown = self
             .current
             .as_ref()
@@ -307,11 +314,12 @@ impl Running {
         Ok(())
     }
 
-    /// Whether a photo lives in the way, and in the colours, that buttons have chosen.
+    /// Whether a photo lives in the way, and in the colours, that buttons have chosen, and a tree is seen from where the camera is.
     fn is_wanted(&self, living: &Living) -> bool {
         let chosen = self.colours.as_ref().filter(|(id, _)| *id == living.id && living.is_kaleidoscope());
         self.way.is_none_or(|way| living.way.looks_as(way))
             && chosen.is_none_or(|(_, path)| living.colours.as_ref() == Some(path))
+            && living.azimuth.is_none_or(|azimuth| azimuth == self.orbit.azimuth())
     }
 
     /// The photo comes again in another way, once it is prepared; that one goes on meanwhile.
@@ -351,7 +359,8 @@ impl Running {
             Some((photo, path)) if *photo == id => Some(Colours::Chosen(path.clone())),
             _ => self.album.neighbour(id).map(Colours::Offered),
         };
-        self.loader.order(id, self.album.path(id), colours, self.way, size, &self.config);
+        let azimuth = self.orbit.azimuth();
+        self.loader.order(id, self.album.path(id), colours, self.way, azimuth, size, &self.config);
     }
 
     /// Shows a photo from now on.
@@ -399,7 +408,9 @@ impl Running {
 
     /// Goes on with another configuration. If it fails, nothing has changed.
     fn change(&mut self, config: Config) -> Result<(), Failure> {
+        let season = SeasonClock::new(config.plain_look().season, config.calendar, &config.night.zone)?;
         self.dimmer.change(&config)?;
+        (self.season, self.orbit) = (season, Orbit::new(config.plain_look().around_minutes));
         let before = std::mem::replace(&mut self.config, Arc::new(config));
         let config = Arc::clone(&self.config);
         set_log_level(config.log);

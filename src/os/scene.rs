@@ -207,6 +207,11 @@ impl Scene {
         self.colours.as_deref()
     }
 
+    /// Whether it is a tree of the program's own, and not of a photo.
+    pub(super) fn is_grown(&self) -> bool {
+        self.tree.as_ref().is_some_and(|grove| !grove.in_photo)
+    }
+
     /// The photo with the effect that was chosen for it, which lives as `life` says. `progress` is told how much of a kaleidoscope is
     /// coded, in per cent.
     ///
@@ -250,6 +255,7 @@ pub(super) fn turned(mut life: Life, rotation: Rotation) -> Life {
     shimmer.light.azimuth = shimmer.light.azimuth.plus(turn);
     shimmer.wind = shimmer.wind.plus(turn);
     life.kaleidoscope.rotation = rotation;
+    life.autumn.rotation = rotation;
     life
 }
 

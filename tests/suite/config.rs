@@ -71,6 +71,7 @@ plates = "leaves"
 patchiness = 0.5
 sun = "none"
 leaf-fall = "off"
+around-minutes = 45
 seed = 18446744073709551615
 [buttons]
 right = "previous"
@@ -193,6 +194,7 @@ fn each_value_of_the_default_text_is_the_default() {
             mask: got.look.mask.clone(),
             reference: got.look.reference.clone(),
             season: got.look.season,
+            around_minutes: got.look.around_minutes,
             ..default.look.clone()
         },
         ..default

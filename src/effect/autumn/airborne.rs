@@ -3,7 +3,10 @@
 //! They loosen from twigs whose time has come, more of them in gusts, drift with the wind and turn over while they sink. What lies
 //! on the ground afterwards follows the season, not them: in a season of months they would fall one in ten minutes.
 
-use super::canvas::{Lens, Pose};
+use super::{
+    canvas::{Lens, Pose},
+    mount::Mount,
+};
 use crate::{
     frame::Size,
     math::{Factor, Turns, random::scatter},
@@ -42,6 +45,7 @@ pub(super) struct Airborne {
 pub(super) struct Sprite {
     pub(super) twig: u16,
     pub(super) lens: Lens,
+    /// Of the panel.
     pub(super) columns: (i32, i32),
     pub(super) rows: (i32, i32),
     /// How bright it is, 128 being usual.
@@ -91,13 +95,14 @@ impl Airborne {
     }
 
     /// What is seen of the leaves.
-    pub(super) fn sprites(&self, size: Size) -> heapless::Vec<Sprite, MOST> {
-        self.leaves.iter().flatten().map(|leaf| leaf.sprite(size)).collect()
+    pub(super) fn sprites(&self, mount: Mount) -> heapless::Vec<Sprite, MOST> {
+        self.leaves.iter().flatten().map(|leaf| leaf.sprite(mount)).collect()
     }
 }
 
 impl Leaf {
-    fn sprite(&self, size: Size) -> Sprite {
+    fn sprite(&self, mount: Mount) -> Sprite {
+        let size = mount.upright();
         let age = u32::from(self.age);
         let spin =
             |rate: u32, bits: u64| Turns((self.key >> bits) as u32).plus(Turns(age.wrapping_mul(rate)));
@@ -110,7 +115,7 @@ impl Leaf {
             fold: spin(20_000_000, 8),
             width: (over.abs().to_bits() >> (Factor::FRAC_NBITS - 8)).max(40),
         });
-        let [columns, rows] = lens.extent(size);
+        let [columns, rows] = mount.part(lens.extent(size));
         let gain = (128 + (over.to_bits() >> (Factor::FRAC_NBITS - 5))) as u8;
         Sprite {
             twig: self.twig,

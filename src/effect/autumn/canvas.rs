@@ -5,6 +5,7 @@
 use super::{
     grow::{Branch, Leaf, Twig, Visit, sway_of},
     leaf::{self, Stencil},
+    mount::Mount,
     noise::fbm,
     scenery::HORIZON,
     space::ONE,
@@ -100,7 +101,7 @@ impl Lens {
 /// What is painted on.
 #[derive(Debug)]
 pub(super) struct Canvas<'a> {
-    pub(super) size: Size,
+    pub(super) mount: Mount,
     pub(super) texels: &'a mut [Texel],
 }
 
@@ -108,12 +109,11 @@ impl Canvas<'_> {
     /// Paints a leaf of `twig`. Of two leaves that cover most of a pixel, the nearer is seen there.
     pub(super) fn leaf(&mut self, stencil: &Stencil, pose: Pose, twig: usize, depth: u16, shade: u8) {
         let lens = Lens::new(pose);
-        let [columns, rows] = lens.extent(self.size);
+        let [columns, rows] = lens.extent(self.mount.upright());
         for y in rows {
-            let row = &mut self.texels[y as usize * self.size.width as usize..][..self.size.width as usize];
             for x in columns.clone() {
                 let cell = lens.cell(stencil, x, y);
-                let texel = &mut row[x as usize];
+                let texel = &mut self.texels[self.mount.index(x, y)];
                 let shows = if cell.cover >= 128 {
                     depth >= texel.depth || (texel.cover < 128 && texel.wood < 128)
                 } else {
@@ -143,8 +143,9 @@ impl Canvas<'_> {
             let (low, high) = ((p.min(q) - thick) >> SPOT_BITS, ((p.max(q) + thick) >> SPOT_BITS) + 1);
             low.clamp(0, most as i32)..high.clamp(0, most as i32)
         };
-        for y in range(a.y, b.y, self.size.height) {
-            for x in range(a.x, b.x, self.size.width) {
+        let size = self.mount.upright();
+        for y in range(a.y, b.y, size.height) {
+            for x in range(a.x, b.x, size.width) {
                 let (px, py) = ((x << SPOT_BITS) + HALF - a.x, (y << SPOT_BITS) + HALF - a.y);
                 let (px, py) = (i64::from(px), i64::from(py));
                 let along = (((px * dx + py * dy) << 12) / square).clamp(0, 4_096) as i32;
@@ -154,7 +155,7 @@ impl Canvas<'_> {
                 let cover = (radius - distance + HALF).clamp(0, 255);
                 // Wood thinner than a pixel covers what it covers.
                 let cover = cover.min(2 * radius.max(20)) as u8;
-                let texel = &mut self.texels[y as usize * self.size.width as usize + x as usize];
+                let texel = &mut self.texels[self.mount.index(x, y)];
                 let depth = i32::from(a.depth) + (((i32::from(b.depth) - i32::from(a.depth)) * along) >> 12);
                 let depth = depth.clamp((*TREE_DEPTHS.start()).into(), (*TREE_DEPTHS.end()).into()) as u16;
                 // Beyond its ends a piece only fills what the next leaves open.
@@ -289,7 +290,7 @@ impl Visit for Painter<'_> {
             let ends = [at(t), at(t + 1)];
             let radii = [t, t + 1]
                 .map(|t| ((i64::from(self.view.length(radius_at(t))) * i64::from(flare(t))) >> 8) as i32);
-            let grain = (1 << 16) / i64::from(self.canvas.size.height);
+            let grain = (1 << 16) / i64::from(self.canvas.mount.upright().height);
             let look = Bark {
                 seed: branch.key,
                 marks: self.species.bark_marks && branch.order < 3,
@@ -316,7 +317,8 @@ impl Visit for Painter<'_> {
 
 /// Strews the leaves of the tree on the ground around its root.
 pub(super) fn strew(canvas: &mut Canvas<'_>, species: &Species, view: &View, stencil: &Stencil, seed: u64) {
-    let (width, height) = (canvas.size.width as i32, canvas.size.height as i32);
+    let Size { width, height } = canvas.mount.upright();
+    let (width, height) = (width as i32, height as i32);
     let [root_x, root_y] = view.root;
     let twigs = species.twigs();
     // As many as the tree bears would hide the grass.

@@ -28,6 +28,7 @@ mod foliage;
 mod grow;
 mod leaf;
 mod lsystem;
+mod mount;
 mod noise;
 mod plates;
 mod render;
@@ -52,13 +53,14 @@ pub use text::{Fault, SpeciesError};
 
 use super::{Effect, Photo, StorageTooSmall, shimmer::Light};
 use crate::{
-    frame::Size,
+    frame::{Rotation, Size},
     math::{Factor, Turns},
     noise::drive::Drive,
 };
 use airborne::{Airborne, Sprite};
 use canvas::{Canvas, Painter};
 use core::ops::Range;
+use mount::Mount;
 use season::{Course, Knots, Now};
 use storage::Planes;
 use sunlight::Columns;
@@ -80,6 +82,8 @@ pub struct Settings {
     pub leaf_fall: bool,
     /// From where the tree is seen, about its trunk.
     pub azimuth: Turns,
+    /// How far the picture is turned for its panel; that of a photo comes turned.
+    pub rotation: Rotation,
     /// Frames that a leaf takes from the top of the picture to its bottom.
     pub fall_frames: u32,
     /// The tree of the species: another seed, another tree.
@@ -94,6 +98,7 @@ impl Default for Settings {
             sun: Some(Light { azimuth: Turns::from_degrees(325), elevation: Turns::from_degrees(25) }),
             leaf_fall: true,
             azimuth: Turns(0),
+            rotation: Rotation::None,
             fall_frames: 90,
             seed: 1,
         }
@@ -103,7 +108,7 @@ impl Default for Settings {
 /// A tree in autumn, in memory `S`: lent (`&mut [u64]`) or owned (`Vec<u64>`).
 #[derive(Debug)]
 pub struct Autumn<S> {
-    size: Size,
+    mount: Mount,
     storage: S,
     knots: Knots,
     depth: u32,
@@ -138,13 +143,14 @@ impl<S: AsMut<[u64]>> Autumn<S> {
         mut storage: S,
     ) -> Result<Self, StorageTooSmall> {
         let mut planes = Planes::carve(size, storage.as_mut())?;
-        let view = View::fit(tree.species, settings.seed, size, settings.azimuth);
+        let mount = Mount::new(size, settings.rotation);
+        let view = View::fit(tree.species, settings.seed, mount.upright(), settings.azimuth);
         let spread = view.length(view.reach);
-        scenery::paint(planes.background, size, view.root, spread, settings.seed);
-        paint_tree(&mut planes, tree.species, view, settings);
+        scenery::paint(planes.background, mount, view.root, spread, settings.seed);
+        paint_tree(&mut planes, mount, tree.species, view, settings);
         settle(&mut planes);
         let leaf_fall = settings.leaf_fall && !tree.species.evergreen;
-        Ok(Self::start(size, tree, Settings { leaf_fall, ..*settings }, view.root[1] >> 8, false, storage))
+        Ok(Self::start(mount, tree, Settings { leaf_fall, ..*settings }, view.root[1] >> 8, false, storage))
     }
 
     /// Takes the foliage of `photo` for a tree: what its mask holds and is green goes through the season in the colours of `tree`. The
@@ -161,24 +167,25 @@ impl<S: AsMut<[u64]>> Autumn<S> {
         let mut planes = Planes::carve(photo.size, storage.as_mut())?;
         planes.background.copy_from_slice(photo.rgb.as_chunks().0);
         assert_eq!(photo.mask.len(), photo.size.pixels(), "the mask does not have the photo's size");
-        foliage::fill(planes.texels, photo, tree.species, settings.seed);
+        let mount = Mount::new(photo.size, settings.rotation);
+        foliage::fill(planes.texels, photo, mount, tree.species, settings.seed);
         settle(&mut planes);
         planes.sunlight.fill(sunlight::NO_SHADE);
         // Everything is as high as the lower half of a tree.
-        let root_y = photo.size.height as i32 * 2;
-        Ok(Self::start(photo.size, tree, Settings { leaf_fall: false, ..*settings }, root_y, true, storage))
+        let root_y = mount.upright().height as i32 * 2;
+        Ok(Self::start(mount, tree, Settings { leaf_fall: false, ..*settings }, root_y, true, storage))
     }
 
     /// What a tree and a photo have in common once their texels are there.
     fn start(
-        size: Size,
+        mount: Mount,
         tree: Tree<'_>,
         settings: Settings,
         root_y: i32,
         is_photo: bool,
         mut storage: S,
     ) -> Self {
-        let Ok(planes) = Planes::carve(size, storage.as_mut()) else {
+        let Ok(planes) = Planes::carve(mount.panel, storage.as_mut()) else {
             unreachable!("the storage was long enough for the texels")
         };
         let species = tree.species;
@@ -198,13 +205,13 @@ impl<S: AsMut<[u64]>> Autumn<S> {
         let twigs = species.twigs();
         season::fill(&mut planes.calendars[..twigs], planes.sunlight, &mut knots, species, course);
         let second = species.rule.boughs.len().pow(species.depth.saturating_sub(2));
-        sway::fill(planes.nodes, size, planes.texels, root_y, |texel| {
+        sway::fill(planes.nodes, mount, planes.texels, root_y, |texel| {
             let on_tree = texel.cover > 0 && usize::from(texel.depth) < MOST_TWIGS;
             on_tree.then_some(usize::from(texel.address >> 4) / second % sway::BOUGHS)
         });
         let moving = moving(&planes, settings.leaf_fall);
         Self {
-            size,
+            mount,
             storage,
             knots,
             depth: species.depth,
@@ -226,7 +233,7 @@ impl<S: AsMut<[u64]>> Autumn<S> {
 
     /// Of every pixel, row by row, whether in still air a leaf on the tree covers most of it.
     pub fn foliage(&mut self) -> impl Iterator<Item = bool> {
-        let Ok(planes) = Planes::carve(self.size, self.storage.as_mut()) else {
+        let Ok(planes) = Planes::carve(self.mount.panel, self.storage.as_mut()) else {
             unreachable!("the storage was long enough when the tree was prepared")
         };
         planes.texels.iter().map(|texel| texel.cover >= 128 && usize::from(texel.depth) < MOST_TWIGS)
@@ -239,7 +246,7 @@ impl<S: AsMut<[u64]>> Autumn<S> {
 }
 
 /// Paints the tree and its leaves on the ground into the texels.
-fn paint_tree(planes: &mut Planes<'_>, species: &Species, view: View, settings: &Settings) {
+fn paint_tree(planes: &mut Planes<'_>, mount: Mount, species: &Species, view: View, settings: &Settings) {
     planes.texels.fill(storage::Texel::default());
     let Ok(stencil) = <&mut leaf::Stencil>::try_from(&mut *planes.stencil) else {
         unreachable!("a stencil is as long as its part of the storage")
@@ -251,7 +258,7 @@ fn paint_tree(planes: &mut Planes<'_>, species: &Species, view: View, settings: 
         columns.add_up();
         columns
     });
-    let canvas = Canvas { size: planes.size, texels: planes.texels };
+    let canvas = Canvas { mount, texels: planes.texels };
     let (sunlight, spots) = (&mut *planes.sunlight, &mut *planes.spots);
     let mut painter = Painter { canvas, species, view, stencil, columns, sunlight, spots };
     grow::grow(species, settings.seed, &mut painter);
@@ -297,7 +304,7 @@ impl<S: AsMut<[u64]>> Effect for Autumn<S> {
         S: 'a;
 
     fn at(&mut self, drive: Drive) -> Moment<'_> {
-        let Ok(mut planes) = Planes::carve(self.size, self.storage.as_mut()) else {
+        let Ok(mut planes) = Planes::carve(self.mount.panel, self.storage.as_mut()) else {
             unreachable!("the storage was long enough when the tree was prepared")
         };
         let now = Now::new(self.stage, &self.knots, self.depth);
@@ -309,14 +316,14 @@ impl<S: AsMut<[u64]>> Effect for Autumn<S> {
             self.coloured = Some(self.stage);
         }
         render::flutter(planes.states, self.twigs, drive);
-        sway::bend(planes.nodes, self.size, drive);
+        sway::bend(planes.nodes, self.mount, drive);
         if let Some(airborne) = &mut self.airborne {
             let twigs = self.twigs as u64;
-            airborne.step(self.size, drive, |chance| {
+            airborne.step(self.mount.upright(), drive, |chance| {
                 let twig = (chance % twigs) as usize;
                 now.loosens(&planes.calendars[twig]).then(|| (twig as u16, planes.spots[twig]))
             });
-            self.sprites = airborne.sprites(self.size);
+            self.sprites = airborne.sprites(self.mount);
         }
         Moment::new(self)
     }

@@ -7,10 +7,12 @@
 //! Without photos the plates are made from pigments (the formula is ours, in the manner of the paper's references 1 and 8):
 //!
 //! ```text
-//! light = 0.95·exp(−(chlorophyll·e1 + carotenoids·e2 + anthocyanins·e3))
+//! light = 0.035 + 0.915·exp(−(chlorophyll·e1 + carotenoids·e2 + anthocyanins·e3))
 //! ```
 //!
-//! for red, green and blue, with the local stage = stage + 1.15·sin(π(stage + 1/2)/7)·fBm, so that leaves differ most in mid-season.
+//! for red, green and blue, with the local stage = stage + 1.15·sin(π(stage + 1/2)/7)·fBm, so that leaves differ most in mid-season, and
+//! anthocyanins that differ by another fBm, so that in the end one leaf is scarlet and another of the colour of wine. The 0.035 is what
+//! a leaf's wax reflects of white light: without it summer is as green as paint.
 
 use super::{
     noise::{self, fbm},
@@ -31,7 +33,7 @@ pub(super) type Light = [u16; 3];
 
 /// What each pigment takes of red, green and blue.
 const ABSORPTION: [[i64; 3]; 3] = [
-    [hundredths(155), hundredths(55), hundredths(150)],
+    [hundredths(155), hundredths(75), hundredths(150)],
     [hundredths(2), hundredths(30), hundredths(320)],
     [hundredths(22), hundredths(230), hundredths(160)],
 ];
@@ -58,22 +60,25 @@ pub(super) fn fill_synthetic(plates: &mut [Light], species: &Species, seed: u64,
             let noise = if spotted { i64::from(fbm(place(x), place(y), 3, seed)) } else { 0 };
             let local =
                 ((stage as i64) << 16) + hundredths(115) * i64::from(spread) / (1 << 16) * noise / (1 << 15);
-            *light = reflected(species, local.clamp(0, 6 << 16) as u32);
+            let other = if spotted { i64::from(fbm(place(x), place(y), 2, seed ^ 0x3ed)) } else { 0 };
+            let reds = (1 << 16) + hundredths(35) * other / (1 << 15);
+            *light = reflected(species, local.clamp(0, 6 << 16) as u32, reds);
         }
     }
 }
 
-/// The light that a leaf of `species` gives back at `stage`, in steps of 2^-16.
-fn reflected(species: &Species, stage: u32) -> Light {
+/// The light that a leaf of `species` gives back at `stage`, which has `reds` times its anthocyanins; both in steps of 2^-16.
+fn reflected(species: &Species, stage: u32, reds: i64) -> Light {
     let (index, rest) = ((stage >> 16) as usize, i64::from(stage & 0xffff));
-    let amounts = species.pigments.map(|row| {
+    let mut amounts = species.pigments.map(|row| {
         let [from, to] =
             [index, (index + 1).min(STAGES - 1)].map(|stage: usize| i64::from(Number::to_bits(row[stage])));
         from + (((to - from) * rest) >> 16)
     });
+    amounts[2] = (amounts[2] * reds.max(0)) >> 16;
     core::array::from_fn(|channel| {
         let depth: i64 = (0..3).map(|pigment| (amounts[pigment] * ABSORPTION[pigment][channel]) >> 16).sum();
-        (u64::from(decay(depth as u32)) * 95 / 100).min(65_535) as u16
+        (u64::from(decay(depth as u32)) * 915 / 1_000 + 65_536 * 35 / 1_000) as u16
     })
 }
 
@@ -147,10 +152,10 @@ mod tests {
         let exact = |amounts: [f64; 3], channel: usize| {
             let absorbed: f64 =
                 (0..3).map(|pigment| amounts[pigment] * ABSORPTION[pigment][channel] as f64 / 65_536.).sum();
-            0.95 * (-absorbed).exp() * 65_536.
+            (0.035 + 0.915 * (-absorbed).exp()) * 65_536.
         };
         for (stage, amounts) in [(0, [1.2, 0.55, 0.02]), (3, [0.2, 0.6, 0.03]), (6, [0.02, 0.45, 1.15])] {
-            for (channel, light) in reflected(&maple, stage << 16).into_iter().enumerate() {
+            for (channel, light) in reflected(&maple, stage << 16, 1 << 16).into_iter().enumerate() {
                 assert!(
                     (f64::from(light) - exact(amounts, channel)).abs() < 8.,
                     "stage {stage} channel {channel}"

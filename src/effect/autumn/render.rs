@@ -3,6 +3,7 @@
 use super::{
     Autumn,
     airborne::Sprite,
+    mount::Mount,
     plates::{CELLS, Light, STAGES},
     season::Now,
     species::MOST_TWIGS,
@@ -25,6 +26,7 @@ use core::ops::Range;
 #[derive(Debug)]
 pub struct Moment<'a> {
     planes: Planes<'a>,
+    mount: Mount,
     bark: [u8; 3],
     /// Whether what is behind the leaves moves with them.
     is_photo: bool,
@@ -143,11 +145,11 @@ const fn whole(share: i16) -> i16 {
 
 impl<'a> Moment<'a> {
     pub(super) fn new<S: AsMut<[u64]>>(autumn: &'a mut Autumn<S>) -> Self {
-        let Autumn { size, bark, is_photo, moving, storage, sprites, .. } = autumn;
-        let Ok(planes) = Planes::carve(*size, storage.as_mut()) else {
+        let Autumn { mount, bark, is_photo, moving, storage, sprites, .. } = autumn;
+        let Ok(planes) = Planes::carve(mount.panel, storage.as_mut()) else {
             unreachable!("the storage was long enough when the tree was prepared")
         };
-        Self { planes, bark: *bark, is_photo: *is_photo, sprites, moving: moving.clone() }
+        Self { planes, mount: *mount, bark: *bark, is_photo: *is_photo, sprites, moving: moving.clone() }
     }
 
     /// Where the pixels from (x, y) on are fetched from.
@@ -203,7 +205,8 @@ impl<'a> Moment<'a> {
         };
         for sprite in self.sprites.iter().filter(touches) {
             for column in sprite.columns.0.max(x)..sprite.columns.1.min(x + length) {
-                let cell = sprite.lens.cell(self.planes.stencil, column, y);
+                let [across, down] = self.mount.pixel(column, y);
+                let cell = sprite.lens.cell(self.planes.stencil, across, down);
                 if cell.cover == 0 {
                     continue;
                 }

@@ -1,6 +1,6 @@
 //! What is behind the tree: an autumn sky, misty hills, a meadow.
 
-use super::noise::fbm;
+use super::{mount::Mount, noise::fbm};
 use crate::{frame::Size, math::random::scatter};
 
 /// Colours down the sky, from the zenith to the horizon, sRGB, and where each is, of 256.
@@ -18,11 +18,12 @@ const MEADOW: [[i32; 3]; 2] = [[146, 148, 100], [72, 84, 40]];
 pub(super) const HORIZON: i32 = 212;
 
 /// Paints the background.
-pub(super) fn paint(background: &mut [[u8; 3]], size: Size, root: [i32; 2], spread: i32, seed: u64) {
-    let (width, height) = (size.width as i32, size.height as i32);
+pub(super) fn paint(background: &mut [[u8; 3]], mount: Mount, root: [i32; 2], spread: i32, seed: u64) {
+    let Size { width, height } = mount.upright();
+    let (width, height) = (width as i32, height as i32);
     let horizon = height * HORIZON / 256;
-    for (y, row) in (0..height).zip(background.chunks_exact_mut(size.width as usize)) {
-        for (x, pixel) in (0..width).zip(row) {
+    for y in 0..height {
+        for x in 0..width {
             let colour = if y < horizon {
                 above(x, y, horizon, height, seed)
             } else {
@@ -31,7 +32,7 @@ pub(super) fn paint(background: &mut [[u8; 3]], size: Size, root: [i32; 2], spre
             };
             // Half a level of noise, so that the sky has no bands.
             let grain = (scatter((y as u64) << 32 | x as u64) >> 56) as i32;
-            *pixel = colour.map(|level| ((level + grain) >> 8).clamp(0, 255) as u8);
+            background[mount.index(x, y)] = colour.map(|level| ((level + grain) >> 8).clamp(0, 255) as u8);
         }
     }
 }
@@ -71,10 +72,12 @@ fn above(x: i32, y: i32, horizon: i32, height: i32, seed: u64) -> [i32; 3] {
 fn meadow(x: i32, y: i32, horizon: i32, height: i32, seed: u64) -> [i32; 3] {
     let near = (y - horizon) * 256 / (height - horizon).max(1);
     let base = blend(MEADOW[0], MEADOW[1], near);
-    // Far grass is fine and short, near grass coarse and long; one goes over into the other.
-    let blades =
-        |cells: i32, tall: i32, seed| fbm(scaled(x, cells, height), scaled(y, cells / tall, height), 3, seed);
-    let (far, close) = (blades(260, 1, seed ^ 11), blades(110, 4, seed ^ 13));
+    // Far grass is fine and short, near grass coarse, longer, and leans to either side; one goes over into the other.
+    let lean = fbm(scaled(x, 24, height), scaled(y, 36, height), 3, seed ^ 14) >> 5;
+    let blades = |cells: i32, tall: i32, lean: i32, seed| {
+        fbm(scaled(x, cells, height) + lean * cells, scaled(y, cells / tall, height), 3, seed)
+    };
+    let (far, close) = (blades(260, 1, 0, seed ^ 11), blades(130, 2, lean, seed ^ 13));
     let blades = (far * (256 - near) + close * near) >> 8;
     // Patches lie in perspective: the same at any distance.
     let depth = (1 << 24) / (near + 28);

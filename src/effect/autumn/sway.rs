@@ -3,7 +3,7 @@
 //! Every bough of second order has a sway of its own phase. The pixels of the tree are fetched from places that the field names; between
 //! the nodes of a grid the offsets are interpolated, so that the picture is bent like a cloth, and nothing can tear or open.
 
-use super::storage::Texel;
+use super::{mount::Mount, storage::Texel};
 use crate::{
     frame::Size,
     math::{Factor, Turns, random::scatter},
@@ -44,11 +44,12 @@ pub(super) const fn nodes(size: Size) -> usize {
 /// Finds the boughs' shares from the leaves around each node. `bough` names the bough of an address.
 pub(super) fn fill(
     nodes: &mut [Node],
-    size: Size,
+    mount: Mount,
     texels: &[Texel],
     root_y: i32,
     bough: impl Fn(&Texel) -> Option<usize>,
 ) {
+    let size = mount.panel;
     let (columns, rows) = grid(size);
     nodes.fill(Node::zeroed());
     for (at, texel) in texels.iter().enumerate() {
@@ -68,7 +69,8 @@ pub(super) fn fill(
         // What is near the edge of the picture stays, so that nothing is fetched from beyond it; and so does the foot of the tree.
         let last = |count: usize| count - 3;
         let is_edge = column < 1 || row < 1 || column > last(columns) || row > last(rows);
-        let height = (i64::from(root_y) - (row * PITCH) as i64).max(0) * 4_096 / i64::from(root_y.max(1));
+        let [_, y] = mount.pixel((column * PITCH) as i32, (row * PITCH) as i32);
+        let height = i64::from((root_y - y).clamp(0, root_y)) * 4_096 / i64::from(root_y.max(1));
         let sum: u32 = node.shares.iter().map(|&share| u32::from(share)).sum();
         for share in &mut node.shares {
             let part = u64::from(*share) * height as u64 / u64::from(sum + FIRM);
@@ -98,9 +100,9 @@ fn reach(size: Size) -> i32 {
 }
 
 /// Sets the offsets for the moment of `drive`.
-pub(super) fn bend(nodes: &mut [Node], size: Size, drive: Drive) {
+pub(super) fn bend(nodes: &mut [Node], mount: Mount, drive: Drive) {
     let strength = drive.amplitude * drive.onset;
-    let most = i64::from(reach(size));
+    let most = i64::from(reach(mount.upright()));
     let sways: [[i32; 2]; BOUGHS] = core::array::from_fn(|bough| {
         // Neighbours sway nearly together: a third of a turn apart at most.
         let phase = Turns((scatter(bough as u64 ^ 0x3a7e) >> 32) as u32 / 3);
@@ -108,7 +110,9 @@ pub(super) fn bend(nodes: &mut [Node], size: Size, drive: Drive) {
         let third = Factor::from_num(1) / 3;
         let along = strength * (third + 2 * third * swing.sin());
         let down = strength * swing.plus(phase).cos() * third;
-        [along, down].map(|share| ((i64::from(share.to_bits()) * most) >> Factor::FRAC_NBITS) as i32)
+        let sway =
+            [along, down].map(|share| ((i64::from(share.to_bits()) * most) >> Factor::FRAC_NBITS) as i32);
+        mount.direction(sway)
     });
     for node in nodes {
         for (axis, offset) in node.offset.iter_mut().enumerate() {

@@ -30,7 +30,7 @@ fn tree(name: &str, settings: Settings) -> Autumn<Vec<u64>> {
 
 fn frame(autumn: &mut Autumn<Vec<u64>>, stage: f64, drive: Drive) -> Vec<[u8; 3]> {
     autumn.set_stage(Stage::new(Factor::from_num(stage)));
-    let layout = Layout::new(autumn.size, PixelFormat::Bgr888, None).unwrap();
+    let layout = Layout::new(autumn.mount.panel, PixelFormat::Bgr888, None).unwrap();
     let mut bytes = vec![0; layout.len_bytes()];
     autumn.render(drive, Paint::Everything, &mut FrameMut::new(&mut bytes, layout).unwrap());
     bytes.as_chunks::<3>().0.to_vec()
@@ -245,5 +245,31 @@ fn frames_are_the_same_on_every_machine() {
             }
         }
     }
-    assert_eq!(hash, 14_883_753_531_935_459_443, "if the picture was meant to change, this is its new hash");
+    assert_eq!(hash, 16_432_401_182_551_269_190, "if the picture was meant to change, this is its new hash");
+}
+
+#[test]
+fn on_a_panel_that_is_mounted_turned_the_tree_stands_upright_and_the_wind_blows_along() {
+    let species = Species::known("maple").unwrap();
+    let seen = |rotation: Rotation| {
+        let panel = rotation.turned(SIZE);
+        let settings = Settings { rotation, ..Settings::default() };
+        let storage = vec![0; storage_len(panel)];
+        let tree = Tree { species: &species, plates: None };
+        let mut autumn = Autumn::prepare(panel, tree, &settings, storage).unwrap();
+        // Leaves fall in the last frames.
+        let frames = (0..40).map(|degrees| frame(&mut autumn, 6.5, drive(1.0, 9 * degrees)));
+        let last = frames.last().unwrap();
+        let mut upright = vec![[0; 3]; SIZE.pixels()];
+        crate::frame::rotate(rotation.inverse(), &last, panel, &mut upright);
+        upright
+    };
+    let want = seen(Rotation::None);
+    for rotation in [Rotation::Quarter, Rotation::Half, Rotation::ThreeQuarter] {
+        let got = seen(rotation);
+        let same = got.iter().zip(&want).filter(|(got, want)| (0..3).all(|i| got[i].abs_diff(want[i]) <= 24));
+        // The grid of the wind lies elsewhere, so that edges may differ.
+        let same = same.count();
+        assert!(same * 100 > want.len() * 93, "{rotation}: {same} of {} pixels are as upright", want.len());
+    }
 }
