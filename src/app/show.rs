@@ -206,17 +206,16 @@ impl Show {
         Ok(())
     }
 
-    /// One frame without a photo: the lines of `message`, on black.
+    /// One frame without a photo, which does not count: the lines of `message`, on black.
     pub fn tell(&mut self, message: &str, display: &mut impl Display) -> Result<(), DisplayError> {
         let mut back = display.back_buffer()?;
         overlay::write_alone(message, &mut back.frame, self.rotation, self.brightness);
         display.present()?;
-        self.frame += 1;
         self.restart();
         Ok(())
     }
 
-    /// Frames presented so far.
+    /// Frames of photos presented so far.
     pub const fn frame(&self) -> u64 {
         self.frame
     }
