@@ -8,6 +8,7 @@ pub mod autumn;
 pub mod kaleidoscope;
 pub mod paint;
 pub mod shimmer;
+mod storage;
 
 pub use paint::Paint;
 

@@ -1,7 +1,10 @@
 //! What is kept of a prepared tree, carved out of lent memory.
 
 use super::{
-    super::StorageTooSmall,
+    super::{
+        StorageTooSmall,
+        storage::{take, words},
+    },
     leaf,
     plates::{self, Light},
     season::Calendar,
@@ -83,22 +86,6 @@ pub const fn storage_len(size: Size) -> usize {
     picture + colours + twig + words::<State>(2 * MOST_TWIGS) + words::<Node>(sway::nodes(size)) + stencil
 }
 
-const fn words<T>(count: usize) -> usize {
-    (count * size_of::<T>()).div_ceil(8)
-}
-
-fn take<'a, T: Pod>(memory: &mut &'a mut [u64], count: usize) -> Option<&'a mut [T]> {
-    let taken = memory.split_off_mut(..words::<T>(count))?;
-    bytemuck::cast_slice_mut(taken).get_mut(..count)
-}
-
-/// As [`take`], for a T whose size does not divide that of the words.
-fn take_odd<'a, T: Pod>(memory: &mut &'a mut [u64], count: usize) -> Option<&'a mut [T]> {
-    let taken = memory.split_off_mut(..words::<T>(count))?;
-    let bytes = bytemuck::cast_slice_mut::<u64, u8>(taken).get_mut(..count * size_of::<T>())?;
-    Some(bytemuck::cast_slice_mut(bytes))
-}
-
 impl<'a> Planes<'a> {
     pub(super) fn carve(size: Size, storage: &'a mut [u64]) -> Result<Self, StorageTooSmall> {
         let error = StorageTooSmall { needed: storage_len(size), got: storage.len() };
@@ -110,15 +97,15 @@ impl<'a> Planes<'a> {
         Some(Self {
             size,
             texels: take(memory, size.pixels())?,
-            background: take_odd(memory, size.pixels())?,
+            background: take(memory, size.pixels())?,
             spans: take(memory, size.height as usize)?,
             colours: take(memory, ADDRESSES)?,
             states: take(memory, 2 * MOST_TWIGS)?,
-            plates: take_odd(memory, plates::STAGES * plates::CELLS)?,
-            calendars: take_odd(memory, MOST_TWIGS)?,
+            plates: take(memory, plates::STAGES * plates::CELLS)?,
+            calendars: take(memory, MOST_TWIGS)?,
             sunlight: take(memory, MOST_TWIGS)?,
             spots: take(memory, MOST_TWIGS)?,
-            nodes: take_odd(memory, sway::nodes(size))?,
+            nodes: take(memory, sway::nodes(size))?,
             stencil: take(memory, leaf::SIDE * leaf::SIDE)?,
         })
     }

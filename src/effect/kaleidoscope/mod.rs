@@ -27,7 +27,6 @@ mod mirrors;
 mod moving;
 mod prepare;
 mod render;
-mod storage;
 mod texture;
 mod windows;
 

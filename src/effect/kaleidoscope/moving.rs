@@ -20,11 +20,11 @@ use super::{
     mirrors::Mirrors,
     prepare::TOLERANCE_Q4,
     render::one,
-    storage::{take, words},
     texture::{self, Reference, SIDE, Texel},
     windows::Summary,
 };
 use crate::{
+    effect::storage::{take, words},
     effect::{self, Effect, RUN, StorageTooSmall},
     frame::{
         Size,

@@ -6,11 +6,11 @@ use super::{
     fractal::{self, Leaf, Options, most_leaves, plane_size},
     luma,
     mirrors::Mirrors,
-    storage::{take, words},
     texture::{self, Reference, SIDE, Texel},
     windows::Summary,
 };
 use crate::{
+    effect::storage::{take, words},
     effect::{Photo, StorageTooSmall},
     frame::{Rotation, Size},
 };

@@ -4,13 +4,13 @@ use super::{
     address::{self, DEPTH, Literal, SYMBOLS, Symbols, Tones},
     fractal::{Leaf, Options, encode, fill_plane, most_leaves, plane_size, scratch_len},
     mirrors::Mirrors,
-    storage::words,
     texture::{self, SIDE, Texel},
     windows::Windows,
     *,
 };
 use crate::{
     effect::Paint,
+    effect::storage::words,
     frame::{FrameMut, Layout, PixelFormat},
     math::{Factor, Turns},
 };

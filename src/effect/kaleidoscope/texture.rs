@@ -3,7 +3,7 @@
 //! T[s1 … sM] is the mean colour over a square of 1/4^M of the photo's sides. All those squares are of one size, so the means around
 //! every place are found once: a colour is then one look-up, and there are no point samples that could sparkle.
 
-use super::storage::{take, words};
+use crate::effect::storage::{take, words};
 use crate::{
     effect::StorageTooSmall,
     frame::{Size, pack::Level, srgb},

@@ -4,7 +4,10 @@
 //! streams only.
 
 use super::{
-    super::{Photo, StorageTooSmall},
+    super::{
+        Photo, StorageTooSmall,
+        storage::{take, words},
+    },
     spans::{self, Span},
 };
 use crate::{frame::Size, math::lanes::LANES};
@@ -137,15 +140,6 @@ const fn blocks_a_row(width: u32) -> usize {
 
 const fn scratch_len(size: Size) -> usize {
     SCRATCH_ROWS * size.width as usize
-}
-
-const fn words<T>(count: usize) -> usize {
-    (count * size_of::<T>()).div_ceil(8)
-}
-
-fn take<'a, T: Pod>(memory: &mut &'a mut [u64], count: usize) -> Option<&'a mut [T]> {
-    let taken = memory.split_off_mut(..words::<T>(count))?;
-    bytemuck::cast_slice_mut(taken).get_mut(..count)
 }
 
 impl<'a> Planes<'a> {

@@ -67,7 +67,9 @@ fn decode_as(
             return Err(Fault::Cut);
         }
         let least = turn.undo(least(turn.undo(size)));
-        if let Some((stored, pixels)) = shrunk_jpeg::decode(bytes, least, samples, outline, limits) {
+        // What one decoder gives up in disorder, the other may still read.
+        let shrunk = without_panic(|| shrunk_jpeg::decode(bytes, least, samples, outline, limits));
+        if let Some((stored, pixels)) = shrunk.ok().flatten() {
             return Ok(Decoded { full: size, size: stored, turn, samples, bytes: pixels, icc });
         }
     }

@@ -5,23 +5,13 @@
 //! and 36 MB instead of 72; for 1024×600 63 ms and 9 MB (one core of a server, November 2026).
 
 use super::{Limits, format::JpegOutline};
-use crate::{frame::Size, os::panics::without_panic};
+use crate::frame::Size;
 use image::ColorType;
 use jpeg_decoder::{Decoder, PixelFormat};
 
 /// Decodes a JPEG at the least of its scales that is as large as `least`. There is none if that is its full size, or if the
 /// file is one for the other decoder: damaged, of four inks, or over the limits.
 pub(super) fn decode(
-    bytes: &[u8],
-    least: Size,
-    samples: ColorType,
-    outline: JpegOutline,
-    limits: &Limits,
-) -> Option<(Size, Vec<u8>)> {
-    without_panic(|| shrunk(bytes, least, samples, outline, limits)).ok().flatten()
-}
-
-fn shrunk(
     bytes: &[u8],
     least: Size,
     samples: ColorType,

@@ -1,14 +1,19 @@
 //! The quadtree: which ranges there are, and which domain describes each.
 
 use super::{
-    super::storage::{take, words},
     Code, LARGEST, Leaf, SMALLEST, Search,
     block::{Block, Fit},
     contract,
     search::{self, Finder},
     slot,
 };
-use crate::{effect::StorageTooSmall, frame::Size};
+use crate::{
+    effect::{
+        StorageTooSmall,
+        storage::{take, words},
+    },
+    frame::Size,
+};
 
 /// How a picture is coded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,13 +4,10 @@
 //! brightness, times 24 orders of the quarters' variances (Fisher 1995, section 3.2).
 
 use super::{
-    super::{
-        super::storage::{take, words},
-        block::Block,
-        isometry::Isometry,
-    },
+    super::{block::Block, isometry::Isometry},
     Planes, Pool,
 };
+use crate::effect::storage::{take, words};
 
 const CLASSES: usize = 72;
 

@@ -18,13 +18,10 @@
 //! 0.9 dB.
 
 use super::{
-    super::{
-        super::storage::{take, words},
-        block::Block,
-        isometry::Isometry,
-    },
+    super::{block::Block, isometry::Isometry},
     Planes, Pool,
 };
+use crate::effect::storage::{take, words};
 
 /// Domains that are compared at a time, one a lane; each lane keeps its best. So many that the compiler makes vectors of them.
 const LANES: usize = 32;
