@@ -203,7 +203,8 @@ impl FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let parts = text.split_once('/').and_then(|(index, count)| Some((index.parse().ok()?, count.parse().ok()?)));
+        let parts =
+            text.split_once('/').and_then(|(index, count)| Some((index.parse().ok()?, count.parse().ok()?)));
         match parts {
             Some((index, count)) if (1..=count).contains(&index) => Ok(Self { index, count }),
             _ => Err("two numbers like 3/8 are wanted, the first from 1 to the second".into()),
@@ -225,8 +226,9 @@ mod tests {
     #[test]
     fn the_shards_are_the_list() {
         let all: Vec<u8> = (0..23).collect();
-        let mut joined: Vec<u8> =
-            (1..=5).flat_map(|index| format!("{index}/5").parse::<Shard>().unwrap().of(all.clone())).collect();
+        let mut joined: Vec<u8> = (1..=5)
+            .flat_map(|index| format!("{index}/5").parse::<Shard>().unwrap().of(all.clone()))
+            .collect();
         joined.sort_unstable();
         assert_eq!(joined, all);
         assert!(["0/5", "6/5", "1/0", "1", "a/b"].iter().all(|text| text.parse::<Shard>().is_err()));

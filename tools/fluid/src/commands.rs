@@ -36,7 +36,8 @@ struct Counts {
 impl Console {
     fn new() -> Result<Self, Failure> {
         // A template that does not parse would lose the numbers, not the work.
-        let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {eta} left").unwrap_or_else(|_| ProgressStyle::default_bar());
+        let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {eta} left")
+            .unwrap_or_else(|_| ProgressStyle::default_bar());
         let bar = ProgressBar::new(0).with_style(style);
         Ok(Self { bar, interrupt: Interrupt::install()?, counts: Mutex::default() })
     }
@@ -59,7 +60,11 @@ impl Listener for Console {
             Outcome::Taken { class, class_by, patches, frames, fluid } => {
                 counts.taken += 1;
                 counts.patches += patches;
-                format!("taken: {} ({class_by}), {frames} frames, {:.0} % fluid, {patches} patches", class.name(), 100.0 * fluid)
+                format!(
+                    "taken: {} ({class_by}), {frames} frames, {:.0} % fluid, {patches} patches",
+                    class.name(),
+                    100.0 * fluid
+                )
             }
             Outcome::Known(name) => {
                 counts.known += 1;
@@ -156,7 +161,12 @@ pub fn check(args: &args::Check) -> Result<(), Failure> {
     for found in &damage {
         println!("{}: {}; {}", found.source.display(), found.what, found.cure);
     }
-    Err(format!("{} videos are damaged; `index --db {}` mends what can be mended", damage.len(), args.db.display()).into())
+    Err(format!(
+        "{} videos are damaged; `index --db {}` mends what can be mended",
+        damage.len(),
+        args.db.display()
+    )
+    .into())
 }
 
 fn jobs(given: Option<u16>) -> usize {

@@ -23,6 +23,8 @@ fn run(args: &Args) -> Result<(), Failure> {
         Command::Merge(args) => commands::merge(args),
         Command::Stats(args) => commands::stats(args),
         Command::Check(args) => commands::check(args),
-        Command::Animate(_) | Command::Evaluate(_) => Err("this build has no labelling and rendering yet".into()),
+        Command::Animate(_) | Command::Evaluate(_) => {
+            Err("this build has no labelling and rendering yet".into())
+        }
     }
 }

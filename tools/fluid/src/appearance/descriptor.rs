@@ -173,7 +173,8 @@ mod tests {
 
     #[test]
     fn a_slope_has_the_orientation_that_it_rises_in() {
-        for (orientation, (dx, dy)) in [(0, (1.0, 0.0)), (2, (0.0, 1.0)), (4, (-1.0, 0.0)), (6, (0.0, -1.0))] {
+        for (orientation, (dx, dy)) in [(0, (1.0, 0.0)), (2, (0.0, 1.0)), (4, (-1.0, 0.0)), (6, (0.0, -1.0))]
+        {
             let descriptors = Descriptors::of(&plane(60, 60, |x, y| 128.0 + 2.0 * (dx * x + dy * y)));
             let middle = descriptors.values[5 * descriptors.columns + 5];
             for bin in middle.chunks_exact(8) {

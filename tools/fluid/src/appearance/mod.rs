@@ -95,8 +95,14 @@ mod tests {
             moved.values[y * 102..][..102].copy_from_slice(&plane.row(y)[48..]);
         }
         let again = describe(&moved, Grid { columns: 4, rows: 4 }, &vocabulary);
-        let inner = |map: &WordMap| (0..PLACES).filter(|place| place % 9 > 2).map(|place| map[place]).collect::<Vec<_>>();
-        assert_eq!(inner(&again[0]), inner(&maps[2]), "what is left of the border is seen by the first places alone");
+        let inner = |map: &WordMap| {
+            (0..PLACES).filter(|place| place % 9 > 2).map(|place| map[place]).collect::<Vec<_>>()
+        };
+        assert_eq!(
+            inner(&again[0]),
+            inner(&maps[2]),
+            "what is left of the border is seen by the first places alone"
+        );
         assert!(maps[18..].iter().all(|map| map[5 * 9..].iter().all(|word| usize::from(*word) == WORDS - 1)));
     }
 }

@@ -75,7 +75,8 @@ fn lies_within(patch: &PatchRef, width: usize, height: usize) -> bool {
 fn reach(version: Version, width: usize, height: usize) -> (usize, usize) {
     let map = version.from_video();
     let (x, y) = (width as f32 / 2.0, height as f32 / 2.0);
-    let strides = |row: [f32; 2]| ((row[0].abs() * x + row[1].abs() * y) / STRIDE as f32 - 0.001).ceil() as usize;
+    let strides =
+        |row: [f32; 2]| ((row[0].abs() * x + row[1].abs() * y) / STRIDE as f32 - 0.001).ceil() as usize;
     (strides(map[0]), strides(map[1]))
 }
 
@@ -86,7 +87,8 @@ fn smoothed(plane: &Plane, scale: f32) -> Plane {
         return plane.clone();
     }
     // Three pixels to each side hold 99.9 % of the widest, whose sigma is 0.87.
-    let mut weights: [f32; 7] = core::array::from_fn(|tap| (-((tap as f32 - 3.0) / sigma).powi(2) / 2.0).exp());
+    let mut weights: [f32; 7] =
+        core::array::from_fn(|tap| (-((tap as f32 - 3.0) / sigma).powi(2) / 2.0).exp());
     let sum: f32 = weights.iter().sum();
     weights.iter_mut().for_each(|weight| *weight /= sum);
     let pass = |source: &Plane, dx: usize, dy: usize| {

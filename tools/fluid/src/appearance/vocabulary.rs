@@ -54,7 +54,9 @@ impl Vocabulary {
                 None => clusters[worst].error = 0.0,
             }
         }
-        Self::from_words(clusters.iter().map(|cluster| cluster.mean.map(|entry| (entry + 0.5) as i16)).collect())
+        Self::from_words(
+            clusters.iter().map(|cluster| cluster.mean.map(|entry| (entry + 0.5) as i16)).collect(),
+        )
     }
 
     fn from_words(words: Vec<[i16; 128]>) -> Self {
@@ -125,7 +127,8 @@ impl Cluster {
             }
         }
         let mean = sum.map(|sum| (sum / members.len() as f64) as f32);
-        let error = members.iter().map(|member| f64::from(distance(&samples[*member], &mean))).sum::<f64>() as f32;
+        let error =
+            members.iter().map(|member| f64::from(distance(&samples[*member], &mean))).sum::<f64>() as f32;
         Self { members, mean, error }
     }
 
@@ -171,7 +174,8 @@ impl Cluster {
     /// The first principal direction, by the power method from the member that is farthest from the mean.
     fn longest_direction(&self, samples: &[[f32; 128]]) -> [f32; 128] {
         // A part of a large cluster tells its direction as well.
-        let members: Vec<usize> = self.members.iter().step_by(self.members.len() / 2000 + 1).copied().collect();
+        let members: Vec<usize> =
+            self.members.iter().step_by(self.members.len() / 2000 + 1).copied().collect();
         let from_mean = |member: usize| {
             let mut difference = samples[member];
             difference.iter_mut().zip(&self.mean).for_each(|(entry, mean)| *entry -= mean);

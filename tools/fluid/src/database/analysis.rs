@@ -79,7 +79,9 @@ fn plane(luma: LumaFrames<'_>, index: usize) -> Plane {
 fn sharpest(luma: LumaFrames<'_>) -> usize {
     let detail = |frame: &Vec<u8>| {
         let rows = frame.chunks_exact(luma.width);
-        rows.flat_map(|row| row.windows(2)).map(|pair| u64::from(pair[0].abs_diff(pair[1])).pow(2)).sum::<u64>()
+        rows.flat_map(|row| row.windows(2))
+            .map(|pair| u64::from(pair[0].abs_diff(pair[1])).pow(2))
+            .sum::<u64>()
     };
     let details: Vec<u64> = luma.frames.par_iter().map(detail).collect();
     (0..details.len()).max_by_key(|index| (details[*index], std::cmp::Reverse(*index))).unwrap_or(0)
@@ -121,7 +123,8 @@ fn contrast(sharp: &Plane, patch: PatchRef) -> f32 {
     let first = 0.5 - SIDE as f32 / 2.0;
     for row in 0..SIDE {
         for column in 0..SIDE {
-            let (x, y) = (f32::from(patch.x) + first + column as f32, f32::from(patch.y) + first + row as f32);
+            let (x, y) =
+                (f32::from(patch.x) + first + column as f32, f32::from(patch.y) + first + row as f32);
             let (x, y) = view::place(patch.version, x, y, sharp.width, sharp.height);
             let level = f64::from(sharp.sample(x, y));
             sum += level;

@@ -139,7 +139,13 @@ impl Stored {
             WordMap::try_from(bytes).map(Some).map_err(|_| strange("words"))
         };
         let words = map("mean_words")?.zip(map("sharp_words")?).map(<[WordMap; 2]>::from);
-        Ok(Self { row: row.get("rowid")?, patch, contrast: row.get("contrast")?, motion: row.get("motion")?, words })
+        Ok(Self {
+            row: row.get("rowid")?,
+            patch,
+            contrast: row.get("contrast")?,
+            motion: row.get("motion")?,
+            words,
+        })
     }
 
     fn features(self) -> rusqlite::Result<Features> {
@@ -150,7 +156,11 @@ impl Stored {
 }
 
 fn strange(what: &str) -> rusqlite::Error {
-    rusqlite::Error::FromSqlConversionFailure(0, rusqlite::types::Type::Blob, format!("{what} is strange").into())
+    rusqlite::Error::FromSqlConversionFailure(
+        0,
+        rusqlite::types::Type::Blob,
+        format!("{what} is strange").into(),
+    )
 }
 
 fn packed(motion: &[[f32; CHANNELS]; CELLS * CELLS]) -> Vec<u8> {
@@ -163,7 +173,8 @@ fn unpacked(bytes: &[u8]) -> Option<[[f32; CHANNELS]; CELLS * CELLS]> {
     if levels.len() != CHANNELS * CELLS * CELLS || !rest.is_empty() {
         return None;
     }
-    let level = |cell: usize, channel: usize| f32::from(i16::from_le_bytes(levels[cell * CHANNELS + channel]));
+    let level =
+        |cell: usize, channel: usize| f32::from(i16::from_le_bytes(levels[cell * CHANNELS + channel]));
     Some(core::array::from_fn(|cell| core::array::from_fn(|channel| level(cell, channel) * unit(channel))))
 }
 
@@ -192,7 +203,10 @@ impl Catalogue {
         let application: i64 = catalogue.pragma("application_id")?;
         let layout: i64 = catalogue.pragma("user_version")?;
         if application != APPLICATION {
-            return Err(DatabaseError::Damaged(directory.to_owned(), "its catalogue is one of another program".into()));
+            return Err(DatabaseError::Damaged(
+                directory.to_owned(),
+                "its catalogue is one of another program".into(),
+            ));
         }
         if layout != LAYOUT {
             return Err(DatabaseError::Version(directory.to_owned(), layout));
@@ -224,7 +238,8 @@ impl Catalogue {
 
     fn connect(directory: &Path, flags: OpenFlags) -> Result<Self, DatabaseError> {
         let connect = || {
-            let connection = Connection::open_with_flags(path(directory), flags | OpenFlags::SQLITE_OPEN_NO_MUTEX)?;
+            let connection =
+                Connection::open_with_flags(path(directory), flags | OpenFlags::SQLITE_OPEN_NO_MUTEX)?;
             connection.busy_timeout(PATIENCE)?;
             Ok(connection)
         };
@@ -241,7 +256,10 @@ impl Catalogue {
     }
 
     /// All of a change, or nothing of it.
-    fn change(&mut self, change: impl FnOnce(&Connection) -> rusqlite::Result<()>) -> Result<(), DatabaseError> {
+    fn change(
+        &mut self,
+        change: impl FnOnce(&Connection) -> rusqlite::Result<()>,
+    ) -> Result<(), DatabaseError> {
         let connection = &mut self.connection;
         let changed = connection.transaction().and_then(|transaction| {
             change(&transaction)?;
@@ -297,9 +315,10 @@ impl Catalogue {
         };
         let found = self.named(self.connection.query_row("SELECT * FROM vocabulary", [], read).optional())?;
         match found {
-            Some((name, vocabulary)) if name != vocabulary.name => {
-                Err(DatabaseError::Damaged(self.path.clone(), "the checksum of its vocabulary is wrong".into()))
-            }
+            Some((name, vocabulary)) if name != vocabulary.name => Err(DatabaseError::Damaged(
+                self.path.clone(),
+                "the checksum of its vocabulary is wrong".into(),
+            )),
             found => Ok(found.map(|(_, vocabulary)| vocabulary)),
         }
     }
@@ -310,7 +329,8 @@ impl Catalogue {
             transaction.execute("DELETE FROM vocabulary", [])?;
             if let Some(Named { name, words, training }) = vocabulary {
                 let bytes = words.to_bytes();
-                transaction.execute("INSERT INTO vocabulary VALUES (?, ?, ?)", params![name, bytes, training])?;
+                transaction
+                    .execute("INSERT INTO vocabulary VALUES (?, ?, ?)", params![name, bytes, training])?;
             }
             Ok(())
         })
@@ -384,20 +404,57 @@ impl Catalogue {
         entry.checksum = checksum(&patches);
         let bound = entry.clone();
         self.change(move |transaction| {
-            let Entry { video, content, source, class_by, sharp, noise, fluid, forced, bytes, checksum, vocabulary } = bound;
+            let Entry {
+                video,
+                content,
+                source,
+                class_by,
+                sharp,
+                noise,
+                fluid,
+                forced,
+                bytes,
+                checksum,
+                vocabulary,
+            } = bound;
             transaction.execute("DELETE FROM refusal WHERE content = ?", [&content])?;
             transaction.execute(
                 "INSERT INTO video VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                 params![
-                    video.number, content, video.name, source.to_string_lossy(), video.class.name(), class_by, video.width,
-                    video.height, video.frames, video.rate, sharp, noise, fluid, forced, bytes as i64, checksum, vocabulary
+                    video.number,
+                    content,
+                    video.name,
+                    source.to_string_lossy(),
+                    video.class.name(),
+                    class_by,
+                    video.width,
+                    video.height,
+                    video.frames,
+                    video.rate,
+                    sharp,
+                    noise,
+                    fluid,
+                    forced,
+                    bytes as i64,
+                    checksum,
+                    vocabulary
                 ],
             )?;
-            let mut insert = transaction.prepare_cached("INSERT INTO patch VALUES (?, ?, ?, ?, ?, ?, ?, ?)")?;
+            let mut insert =
+                transaction.prepare_cached("INSERT INTO patch VALUES (?, ?, ?, ?, ?, ?, ?, ?)")?;
             for Stored { patch, contrast, motion, words, .. } in &patches {
                 let map = |index: usize| words.as_ref().map(|words| &words[index][..]);
                 let version = patch.version.number();
-                insert.execute(params![patch.video, version, patch.x, patch.y, contrast, motion, map(0), map(1)])?;
+                insert.execute(params![
+                    patch.video,
+                    version,
+                    patch.x,
+                    patch.y,
+                    contrast,
+                    motion,
+                    map(0),
+                    map(1)
+                ])?;
             }
             Ok(())
         })?;
@@ -415,7 +472,8 @@ impl Catalogue {
         patches.iter_mut().zip(words).for_each(|(stored, words)| stored.words = Some(*words));
         let checksum = checksum(&patches);
         self.change(|transaction| {
-            let mut update = transaction.prepare_cached("UPDATE patch SET mean_words = ?, sharp_words = ? WHERE rowid = ?")?;
+            let mut update = transaction
+                .prepare_cached("UPDATE patch SET mean_words = ?, sharp_words = ? WHERE rowid = ?")?;
             for (stored, [mean, sharp]) in patches.iter().zip(words) {
                 update.execute(params![mean, sharp, stored.row])?;
             }
@@ -428,7 +486,9 @@ impl Catalogue {
     pub(super) fn refuse(&mut self, content: &str, source: &Path, reason: &str) -> Result<(), DatabaseError> {
         self.change(|transaction| {
             let source = source.to_string_lossy();
-            transaction.execute("INSERT OR REPLACE INTO refusal VALUES (?, ?, ?)", params![content, source, reason]).map(|_| ())
+            transaction
+                .execute("INSERT OR REPLACE INTO refusal VALUES (?, ?, ?)", params![content, source, reason])
+                .map(|_| ())
         })
     }
 
@@ -442,14 +502,20 @@ impl Catalogue {
 
     /// Whether SQLite finds its pages in order.
     pub(super) fn check_pages(&self) -> Result<(), DatabaseError> {
-        let found = self.named(self.connection.pragma_query_value(None, "integrity_check", |row| row.get::<_, String>(0)))?;
+        let found = self.named(
+            self.connection.pragma_query_value(None, "integrity_check", |row| row.get::<_, String>(0)),
+        )?;
         if found == "ok" { Ok(()) } else { Err(DatabaseError::Damaged(self.path.clone(), found)) }
     }
 
     /// Whether the patches of a video are what was stored.
     pub(super) fn check_patches(&self, entry: &Entry) -> Result<(), String> {
         let patches = self.patches(entry.video.number).map_err(|error| error.to_string())?;
-        if checksum(&patches) == entry.checksum { Ok(()) } else { Err("the checksum of its patches is wrong".into()) }
+        if checksum(&patches) == entry.checksum {
+            Ok(())
+        } else {
+            Err("the checksum of its patches is wrong".into())
+        }
     }
 }
 
@@ -499,7 +565,9 @@ mod tests {
 
     #[test]
     fn stored_motion_is_exact_to_its_unit() {
-        let motion = core::array::from_fn(|cell| core::array::from_fn(|channel| (cell * 12 + channel) as f32 * 0.37 - 20.0));
+        let motion = core::array::from_fn(|cell| {
+            core::array::from_fn(|channel| (cell * 12 + channel) as f32 * 0.37 - 20.0)
+        });
         let again = unpacked(&packed(&motion)).unwrap();
         for (one, two) in motion.as_flattened().iter().zip(again.as_flattened()) {
             assert!((one - two).abs() <= TEXTURE_UNIT / 2.0);
@@ -518,7 +586,11 @@ mod tests {
         catalogue.connection.pragma_update(None, "application_id", 5).unwrap();
         assert!(matches!(Catalogue::open(folder.path()), Err(DatabaseError::Damaged(..))));
         drop(catalogue);
-        fs::write(path(folder.path()), "no database, and long enough for a header of one hundred bytes: ".repeat(9)).unwrap();
+        fs::write(
+            path(folder.path()),
+            "no database, and long enough for a header of one hundred bytes: ".repeat(9),
+        )
+        .unwrap();
         assert!(matches!(Catalogue::open(folder.path()), Err(DatabaseError::Damaged(..))));
     }
 }

@@ -7,6 +7,7 @@ use super::{
     frames::{self, FrameFile},
     index::{Listener, Options, Outcome, keep},
 };
+use crate::video::source::Source;
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -70,12 +71,17 @@ fn check_frames(directory: &Path, entry: &Entry) -> Result<(), String> {
 }
 
 /// Makes the database whole as far as it can be. Videos whose frames are good but which the catalogue does not know rightly are looked at
-/// again; others are read again from their sources; what has neither is taken out and told as lost.
-pub(super) fn mend(directory: &Path, options: &Options, listener: &impl Listener) -> Result<Catalogue, DatabaseError> {
+/// again; others are to be read again from their sources, which are handed back; what has neither is taken out and told as lost.
+pub(super) fn mend(
+    directory: &Path,
+    options: &Options,
+    listener: &impl Listener,
+) -> Result<(Catalogue, Vec<Source>), DatabaseError> {
     let mut catalogue = open_or_replace(directory)?;
     if matches!(catalogue.vocabulary(), Err(DatabaseError::Damaged(..))) {
         catalogue.set_vocabulary(None)?;
     }
+    let mut again = Vec::new();
     for entry in catalogue.videos()? {
         let frames = check_frames(directory, &entry);
         if frames.is_ok() && catalogue.check_patches(&entry).is_ok() {
@@ -83,15 +89,20 @@ pub(super) fn mend(directory: &Path, options: &Options, listener: &impl Listener
         }
         catalogue.remove(entry.video.number)?;
         if let Err(what) = frames {
-            let path = frames::path(directory, &entry.content);
             // A file that is not there is as good as removed.
-            let _ = fs::remove_file(path);
-            listener.done(&entry.source, &Outcome::Refused(format!("its frames were damaged and are removed: {what}")));
+            let _ = fs::remove_file(frames::path(directory, &entry.content));
+            match Source::again(&entry.source) {
+                Ok(source) => again.push(source),
+                Err(error) => {
+                    let lost = format!("lost: {what}; its source is gone: {error}");
+                    listener.done(&entry.source, &Outcome::Refused(lost));
+                }
+            }
         }
     }
     let catalogue = Mutex::new(catalogue);
     adopt(directory, options, listener, &catalogue)?;
-    Ok(catalogue.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner))
+    Ok((catalogue.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner), again))
 }
 
 /// A catalogue that cannot be read goes aside; its videos come back from their frames.
@@ -136,7 +147,9 @@ fn adopt(
             Err(error) => Outcome::Refused(error.to_string()),
             // It was taken once: what spoke against it was forced then.
             Ok((frames, file)) => match analyse(&frames, true) {
-                Ok(analysis) => keep(directory, file.notes.clone(), &analysis, &frames, options.forced, catalogue)?,
+                Ok(analysis) => {
+                    keep(directory, file.notes.clone(), &analysis, &frames, options.forced, catalogue)?
+                }
                 Err(refusal) => Outcome::Refused(refusal.to_string()),
             },
         };

@@ -30,14 +30,24 @@ impl std::error::Error for DatabaseError {}
 impl fmt::Display for DatabaseError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Missing(path) => write!(f, "{}: no database; `index VIDEO... --db {}` makes one", path.display(), path.display()),
+            Self::Missing(path) => write!(
+                f,
+                "{}: no database; `index VIDEO... --db {}` makes one",
+                path.display(),
+                path.display()
+            ),
             Self::Version(path, version) => write!(
                 f,
                 "{}: a database of layout {version}, this program reads {}; index the videos into a new directory",
                 path.display(),
                 super::catalogue::LAYOUT
             ),
-            Self::Empty(path) => write!(f, "{}: no video in the database; `index VIDEO... --db {}` adds some", path.display(), path.display()),
+            Self::Empty(path) => write!(
+                f,
+                "{}: no video in the database; `index VIDEO... --db {}` adds some",
+                path.display(),
+                path.display()
+            ),
             Self::Unfinished(path) => write!(
                 f,
                 "{}: indexing was not ended; `index --db {}` ends it, or `merge` if this is a shard",
@@ -51,7 +61,9 @@ impl fmt::Display for DatabaseError {
                 path.display(),
                 path.display()
             ),
-            Self::Locked(path) => write!(f, "{}: another process writes to this database; wait for its end", path.display()),
+            Self::Locked(path) => {
+                write!(f, "{}: another process writes to this database; wait for its end", path.display())
+            }
             Self::File(path, error) => write!(f, "{}: {error}", path.display()),
             Self::Catalogue(path, error) => write!(f, "{}: catalogue: {error}", path.display()),
             Self::Interrupted => write!(f, "interrupted: the same command goes on from here"),

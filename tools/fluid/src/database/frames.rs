@@ -67,7 +67,12 @@ impl Notes {
 }
 
 /// Writes a file of frames. It has its name only when it is whole and on the disk.
-pub(super) fn write(path: &Path, notes: &Notes, mean: &RgbImage, frames: &[RgbImage]) -> Result<(), DatabaseError> {
+pub(super) fn write(
+    path: &Path,
+    notes: &Notes,
+    mean: &RgbImage,
+    frames: &[RgbImage],
+) -> Result<(), DatabaseError> {
     let part = path.with_extension("part");
     let written = write_part(&part, notes, mean, frames).and_then(|()| fs::rename(&part, path));
     written.map_err(|error| {
@@ -283,13 +288,22 @@ impl FrameFile {
         write_chunk(&mut png, *b"IDAT", &content[skipped..])?;
         write_chunk(&mut png, *b"IEND", &[])?;
         let picture = image::load_from_memory_with_format(&png, ImageFormat::Png);
-        picture.map(image::DynamicImage::into_rgb8).map_err(|error| named(&self.path, &io::Error::other(error)))
+        picture
+            .map(image::DynamicImage::into_rgb8)
+            .map_err(|error| named(&self.path, &io::Error::other(error)))
     }
 }
 
 fn named(path: &Path, error: &io::Error) -> io::Error {
-    let what = if error.kind() == io::ErrorKind::UnexpectedEof { "it was cut".to_owned() } else { error.to_string() };
-    io::Error::new(error.kind(), format!("{}: {what}; `check` tells what is lost and `index` mends it", path.display()))
+    let what = if error.kind() == io::ErrorKind::UnexpectedEof {
+        "it was cut".to_owned()
+    } else {
+        error.to_string()
+    };
+    io::Error::new(
+        error.kind(),
+        format!("{}: {what}; `check` tells what is lost and `index` mends it", path.display()),
+    )
 }
 
 #[cfg(test)]
@@ -298,14 +312,21 @@ mod tests {
     use image::Rgb;
 
     fn notes() -> Notes {
-        Notes { content: "c0ffee".into(), source: "水/a.mp4".into(), class: Class::Water, class_by: "name".into(), rate: 29.97 }
+        Notes {
+            content: "c0ffee".into(),
+            source: "水/a.mp4".into(),
+            class: Class::Water,
+            class_by: "name".into(),
+            rate: 29.97,
+        }
     }
 
     fn written() -> (tempfile::TempDir, PathBuf, Vec<RgbImage>) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("v.png");
-        let frames: Vec<RgbImage> =
-            (0..20).map(|frame| RgbImage::from_fn(33, 21, |x, y| Rgb([(x * y + frame) as u8, x as u8, frame as u8]))).collect();
+        let frames: Vec<RgbImage> = (0..20)
+            .map(|frame| RgbImage::from_fn(33, 21, |x, y| Rgb([(x * y + frame) as u8, x as u8, frame as u8])))
+            .collect();
         write(&path, &notes(), &frames[7], &frames).unwrap();
         (folder, path, frames)
     }
@@ -326,7 +347,8 @@ mod tests {
     #[test]
     fn other_programs_see_an_animation() {
         let (_folder, path, frames) = written();
-        let decoder = image::codecs::png::PngDecoder::new(BufReader::new(File::open(&path).unwrap())).unwrap();
+        let decoder =
+            image::codecs::png::PngDecoder::new(BufReader::new(File::open(&path).unwrap())).unwrap();
         let all = image::AnimationDecoder::into_frames(decoder.apng().unwrap()).collect_frames().unwrap();
         assert_eq!(all.len(), 20);
         let third = image::DynamicImage::from(all[3].buffer().clone()).into_rgb8();

@@ -119,7 +119,12 @@ pub fn index(
     listener: &impl Listener,
 ) -> Result<(), DatabaseError> {
     let _writer = Writer::begin(directory)?;
-    let mut catalogue = if sources.is_empty() { check::mend(directory, options, listener)? } else { Catalogue::open_or_create(directory)? };
+    let (mut catalogue, again) = if sources.is_empty() {
+        check::mend(directory, options, listener)?
+    } else {
+        (Catalogue::open_or_create(directory)?, Vec::new())
+    };
+    let sources = if sources.is_empty() { &again } else { sources };
     remove_parts(directory)?;
     if let Some(words) = &options.vocabulary {
         catalogue.set_vocabulary(Some(&Named::new(words.clone(), Named::GIVEN.into())))?;
@@ -132,7 +137,11 @@ pub fn index(
         listener.step();
         Ok(())
     })?;
-    if options.wordless && options.vocabulary.is_none() { Ok(()) } else { give_words(directory, &catalogue, options.jobs, listener) }
+    if options.wordless && options.vocabulary.is_none() {
+        Ok(())
+    } else {
+        give_words(directory, &catalogue, options.jobs, listener)
+    }
 }
 
 /// Does the work for each of the items, some at a time, until an error or an interruption.
@@ -213,7 +222,11 @@ fn take(
 }
 
 /// The video of this content, if its frames are there too.
-fn known(directory: &Path, content: &str, catalogue: &Mutex<Catalogue>) -> Result<Option<Entry>, DatabaseError> {
+fn known(
+    directory: &Path,
+    content: &str,
+    catalogue: &Mutex<Catalogue>,
+) -> Result<Option<Entry>, DatabaseError> {
     let mut catalogue = lock(catalogue);
     let Some(entry) = catalogue.video(content)? else { return Ok(None) };
     if fs::metadata(frames::path(directory, content)).is_ok_and(|file| file.len() == entry.bytes) {
@@ -239,7 +252,15 @@ pub(super) fn keep(
     let (width, height) = analysis.mean.dimensions();
     let fluid = analysis.field.fluid_share();
     let entry = Entry {
-        video: Video { number: 0, name, class: notes.class, width, height, frames: frames.len() as u32, rate: notes.rate },
+        video: Video {
+            number: 0,
+            name,
+            class: notes.class,
+            width,
+            height,
+            frames: frames.len() as u32,
+            rate: notes.rate,
+        },
         content: notes.content,
         source,
         class_by: notes.class_by.clone(),
@@ -308,7 +329,11 @@ pub(super) fn give_words(
     })
 }
 
-fn vocabulary(directory: &Path, entries: &[Entry], catalogue: &Mutex<Catalogue>) -> Result<Named, DatabaseError> {
+fn vocabulary(
+    directory: &Path,
+    entries: &[Entry],
+    catalogue: &Mutex<Catalogue>,
+) -> Result<Named, DatabaseError> {
     let mut training: Vec<&Entry> = entries.iter().collect();
     training.sort_by(|a, b| a.content.cmp(&b.content));
     training.truncate(TRAINING_VIDEOS);
@@ -316,13 +341,16 @@ fn vocabulary(directory: &Path, entries: &[Entry], catalogue: &Mutex<Catalogue>)
     training.iter().for_each(|entry| hash.update(&entry.content));
     let name = hexadecimal(&hash.finalize());
     let current = lock(catalogue).vocabulary()?;
-    if let Some(current) = current.filter(|current| [name.as_str(), Named::GIVEN].contains(&current.training.as_str())) {
+    if let Some(current) =
+        current.filter(|current| [name.as_str(), Named::GIVEN].contains(&current.training.as_str()))
+    {
         return Ok(current);
     }
     let share = words::share(training.len());
     let mut samples = Vec::new();
     for entry in training {
-        let patches: Vec<PatchRef> = lock(catalogue).patches(entry.video.number)?.iter().map(|stored| stored.patch).collect();
+        let patches: Vec<PatchRef> =
+            lock(catalogue).patches(entry.video.number)?.iter().map(|stored| stored.patch).collect();
         samples.extend(pictures(directory, entry)?.samples(&patches, share));
     }
     let vocabulary = Named::new(Vocabulary::train(&samples), name);

@@ -21,7 +21,12 @@ use std::{
 /// # Errors
 ///
 /// A part is no database, damaged, or of another version; the result cannot be written; the work was interrupted.
-pub fn merge(directory: &Path, parts: &[PathBuf], jobs: usize, listener: &impl Listener) -> Result<(), DatabaseError> {
+pub fn merge(
+    directory: &Path,
+    parts: &[PathBuf],
+    jobs: usize,
+    listener: &impl Listener,
+) -> Result<(), DatabaseError> {
     let _writer = Writer::begin(directory)?;
     let mut catalogue = Catalogue::open_or_create(directory)?;
     for part in parts {
@@ -52,7 +57,9 @@ fn take_vocabulary(catalogue: &mut Catalogue, other: &Catalogue) -> Result<(), D
     let ours = catalogue.vocabulary()?;
     match (ours, theirs) {
         (None, Some(theirs)) if catalogue.videos()?.is_empty() => catalogue.set_vocabulary(Some(&theirs)),
-        (Some(ours), theirs) if given(&ours) && theirs.as_ref() != Some(&ours) => catalogue.set_vocabulary(None),
+        (Some(ours), theirs) if given(&ours) && theirs.as_ref() != Some(&ours) => {
+            catalogue.set_vocabulary(None)
+        }
         _ => Ok(()),
     }
 }

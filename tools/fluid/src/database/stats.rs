@@ -30,11 +30,18 @@ impl Stats {
         let catalogue = Catalogue::open(directory)?;
         let entries = catalogue.videos()?;
         let vocabulary = catalogue.vocabulary()?;
-        let unworded = entries.iter().filter(|entry| !vocabulary.as_ref().is_some_and(|words| entry.is_worded_by(words))).count();
+        let unworded = entries
+            .iter()
+            .filter(|entry| !vocabulary.as_ref().is_some_and(|words| entry.is_worded_by(words)))
+            .count();
         let size = |path: &Path| std::fs::metadata(path).map_or(0, |file| file.len());
         let describe = |entry: &super::catalogue::Entry| {
             let video = &entry.video;
-            let there = if size(&frames::path(directory, &entry.content)) == entry.bytes { "" } else { ", frames damaged" };
+            let there = if size(&frames::path(directory, &entry.content)) == entry.bytes {
+                ""
+            } else {
+                ", frames damaged"
+            };
             format!(
                 "{:08x} {}: {} ({}), {} × {}, {} frames, {:.3} a second, noise {:.2}, {:.0} % fluid{}{there}",
                 video.number,
@@ -91,7 +98,11 @@ impl Stats {
             None => writeln!(f, "vocabulary: none yet")?,
         }
         if self.unworded > 0 {
-            writeln!(f, "unfinished: {} videos have no words yet; `index` or `merge` ends it", self.unworded)?;
+            writeln!(
+                f,
+                "unfinished: {} videos have no words yet; `index` or `merge` ends it",
+                self.unworded
+            )?;
         }
         Ok(())
     }

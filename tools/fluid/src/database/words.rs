@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use std::io;
 
 /// Videos that a vocabulary is trained from, at most.
-pub const TRAINING_VIDEOS: usize = 200;
+pub(super) const TRAINING_VIDEOS: usize = 200;
 
 /// Descriptors that it is trained from: two hundred a word.
 const TRAINING_DESCRIPTORS: usize = 40_000;
@@ -44,7 +44,11 @@ impl Pictures {
                 let across = STRIDE / SPACING;
                 (0..across * across).map(move |place| (left + place % across, top + place / across))
             });
-            samples.extend(places.map(|(x, y)| descriptors.values[y * descriptors.columns + x]).filter(|sample| *sample != [0; 128]));
+            samples.extend(
+                places
+                    .map(|(x, y)| descriptors.values[y * descriptors.columns + x])
+                    .filter(|sample| *sample != [0; 128]),
+            );
         }
         let every = samples.len().div_ceil(count.max(1)).max(1);
         samples.into_iter().step_by(every).collect()
@@ -73,7 +77,9 @@ pub(super) fn share(videos: usize) -> usize {
 
 /// The first place of a patch in a view of its version.
 fn corner(patch: &PatchRef, view: &Plane) -> (usize, usize) {
-    let first = |centre: i16, side: usize| ((side / 2) as isize + isize::from(centre) - STRIDE as isize) as usize / SPACING;
+    let first = |centre: i16, side: usize| {
+        ((side / 2) as isize + isize::from(centre) - STRIDE as isize) as usize / SPACING
+    };
     (first(patch.x, view.width), first(patch.y, view.height))
 }
 

@@ -20,7 +20,12 @@ const PLACES: usize = 3;
 const SPACING: f32 = (SIDE / CELLS / PLACES) as f32;
 
 /// The motion of a patch of a video of this field, or none if too little of the patch is fluid.
-pub fn cells(field: &MotionField, patch: PatchRef, width: usize, height: usize) -> Option<[[f32; CHANNELS]; CELLS * CELLS]> {
+pub fn cells(
+    field: &MotionField,
+    patch: PatchRef,
+    width: usize,
+    height: usize,
+) -> Option<[[f32; CHANNELS]; CELLS * CELLS]> {
     let mut cells = [[0.0; CHANNELS + 1]; CELLS * CELLS];
     let mut fluid = 0;
     let across = CELLS * PLACES;
@@ -86,6 +91,7 @@ mod tests {
             mean: vec![[1.0, -2.0]; points],
             bands: vec![[0.0, 0.0, 4.0, 0.0, 0.0, 0.0]; points],
             texture: vec![[1.0, 2.0, 3.0, 4.0, 5.0]; points],
+            change: vec![9.0; points],
             fluid: (0..points).map(fluid).collect(),
             noise: 0.3,
         }

@@ -51,6 +51,8 @@ pub struct MotionField {
     pub bands: Vec<[f32; BANDS.len()]>,
     /// Mean size of the levels of the Laplacian pyramid, finest first, in levels of luminance.
     pub texture: Vec<[f32; VIDEO_LEVELS]>,
+    /// Standard deviation of the luminance over time, in levels.
+    pub change: Vec<f32>,
     /// Whether there is fluid: it moves, changes and shows something.
     pub fluid: Vec<bool>,
     /// Noise of the luminance over time: the standard deviation of the stillest points.
@@ -76,7 +78,7 @@ impl MotionField {
             mean[point] = [0.0; 2];
             bands[point] = [0.0; BANDS.len()];
         }
-        Self { columns, rows, mean, bands, texture, fluid, noise }
+        Self { columns, rows, mean, bands, texture, change, fluid, noise }
     }
 
     /// Share of the points that are fluid.
@@ -122,7 +124,8 @@ type Spectra = (Vec<[f32; 2]>, Vec<[f32; BANDS.len()]>, Vec<f32>);
 fn spectra(flows: &[Flow], points: usize) -> Spectra {
     let length = flows.len().max(1);
     let transform = FftPlanner::<f32>::new().plan_fft_forward(length);
-    let new = || (vec![Complex::default(); length], vec![Complex::default(); transform.get_inplace_scratch_len()]);
+    let new =
+        || (vec![Complex::default(); length], vec![Complex::default(); transform.get_inplace_scratch_len()]);
     let point = |(series, scratch): &mut (Vec<Complex<f32>>, Vec<Complex<f32>>), point: usize| {
         for (value, flow) in series.iter_mut().zip(flows) {
             let [u, v] = flow.values[point].map(|part| f32::from(part) / Flow::UNIT);
@@ -166,7 +169,11 @@ fn texture(luma: LumaFrames<'_>, columns: usize, rows: usize) -> Vec<[f32; VIDEO
                 // The level's pixels are 2^level wide; its first one has its centre at half of that.
                 let scale = (1 << level) as f32;
                 let place = |index: usize| (centre(index) + 0.5) / scale - 0.5;
-                *size = pyramids.iter().map(|pyramid| pyramid[level].sample(place(column), place(row))).sum::<f32>() * share;
+                *size = pyramids
+                    .iter()
+                    .map(|pyramid| pyramid[level].sample(place(column), place(row)))
+                    .sum::<f32>()
+                    * share;
             }
         }
     });
@@ -203,7 +210,7 @@ fn pooled(plane: &Plane, level: usize) -> Plane {
         return plane.clone();
     }
     let mut result = Plane::new(plane.width, plane.height);
-    for y in (0..plane.height).step_by(1) {
+    for y in 0..plane.height {
         let rows = y.saturating_sub(reach)..(y + reach + 1).min(plane.height);
         for x in 0..plane.width {
             let columns = x.saturating_sub(reach)..(x + reach + 1).min(plane.width);
@@ -223,7 +230,9 @@ mod tests {
     fn flows(frames: usize, at: impl Fn(usize, usize) -> [f32; 2]) -> Vec<Flow> {
         (0..frames)
             .map(|frame| {
-                let values = (0..30 * 24).map(|point| at(frame, point).map(|part| (part * Flow::UNIT) as i16)).collect();
+                let values = (0..30 * 24)
+                    .map(|point| at(frame, point).map(|part| (part * Flow::UNIT) as i16))
+                    .collect();
                 Flow { columns: 30, rows: 24, values }
             })
             .collect()
@@ -262,7 +271,8 @@ mod tests {
             }
         }
         let upper = |_: usize, point: usize| if point < 30 * 12 { [1.0, 0.0] } else { [0.05, 0.05] };
-        let field = MotionField::of(LumaFrames { width: 120, height: 96, frames: &frames }, &flows(19, upper));
+        let field =
+            MotionField::of(LumaFrames { width: 120, height: 96, frames: &frames }, &flows(19, upper));
         for row in 0..24 {
             for column in 0..30 {
                 assert_eq!(field.fluid[row * 30 + column], row < 12 && column < 15, "{column}, {row}");

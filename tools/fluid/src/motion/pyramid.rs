@@ -57,7 +57,9 @@ pub(crate) fn halved(plane: &Plane) -> Plane {
     let width = half.width;
     for (y, row) in half.values.chunks_exact_mut(width).enumerate() {
         let (above, below) = (plane.row(2 * y), plane.row(2 * y + 1));
-        for ((value, above), below) in row.iter_mut().zip(above.as_chunks::<2>().0).zip(below.as_chunks::<2>().0) {
+        for ((value, above), below) in
+            row.iter_mut().zip(above.as_chunks::<2>().0).zip(below.as_chunks::<2>().0)
+        {
             *value = (above[0] + above[1] + below[0] + below[1]) / 4.0;
         }
     }

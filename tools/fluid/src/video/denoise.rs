@@ -52,7 +52,8 @@ mod tests {
         let clean = denoise(&frames);
         let wander = |frames: &[RgbImage]| {
             let steps = frames.windows(2).flat_map(|pair| {
-                (0..32).map(|y| i32::from(pair[0].get_pixel(20, y)[0]) - i32::from(pair[1].get_pixel(20, y)[0]))
+                (0..32)
+                    .map(|y| i32::from(pair[0].get_pixel(20, y)[0]) - i32::from(pair[1].get_pixel(20, y)[0]))
             });
             steps.map(|step| step * step).sum::<i32>()
         };

@@ -22,7 +22,11 @@ pub(super) fn read(path: &Path, seconds: f32) -> io::Result<Clip> {
     let mut pipe = BufReader::with_capacity(1 << 20, child.stdout.take().ok_or(io::ErrorKind::BrokenPipe)?);
     let frames = loop {
         match read_picture(&mut pipe) {
-            Ok(Some(frame)) if clip.frames.first().is_none_or(|first| first.dimensions() == frame.dimensions()) => clip.push(frame),
+            Ok(Some(frame))
+                if clip.frames.first().is_none_or(|first| first.dimensions() == frame.dimensions()) =>
+            {
+                clip.push(frame)
+            }
             Ok(Some(_)) => break Err(io::Error::other("its frames are of several sizes")),
             Ok(None) => break Ok(()),
             Err(error) => break Err(error),
@@ -32,7 +36,10 @@ pub(super) fn read(path: &Path, seconds: f32) -> io::Result<Clip> {
     drop(pipe);
     let complaint = last_words(child)?;
     if clip.frames.is_empty() {
-        return Err(io::Error::new(io::ErrorKind::InvalidData, format!("ffmpeg finds no picture in it: {complaint}")));
+        return Err(io::Error::new(
+            io::ErrorKind::InvalidData,
+            format!("ffmpeg finds no picture in it: {complaint}"),
+        ));
     }
     frames.map(|()| clip)
 }
@@ -45,7 +52,21 @@ fn arguments(path: &Path, seconds: f32) -> Vec<OsString> {
     arguments.extend(input(path));
     let seconds = format!("{seconds}");
     // Each picture with a header of its own: the size is known when it comes, rotated phone videos included.
-    let output = ["-map", "0:v:0", "-t", &seconds, "-vf", &fit, "-pix_fmt", "rgb24", "-c:v", "ppm", "-f", "image2pipe", "pipe:1"];
+    let output = [
+        "-map",
+        "0:v:0",
+        "-t",
+        &seconds,
+        "-vf",
+        &fit,
+        "-pix_fmt",
+        "rgb24",
+        "-c:v",
+        "ppm",
+        "-f",
+        "image2pipe",
+        "pipe:1",
+    ];
     arguments.extend(output.map(OsString::from));
     arguments
 }
@@ -73,7 +94,8 @@ fn start(program: &str, arguments: &[impl AsRef<OsStr>]) -> io::Result<Child> {
 fn rate(path: &Path) -> io::Result<f32> {
     let mut arguments: Vec<OsString> = ["-v", "error"].map(OsString::from).into();
     arguments.extend(input(path));
-    let asked = ["-select_streams", "v:0", "-show_entries", "stream=avg_frame_rate", "-of", "default=nk=1:nw=1"];
+    let asked =
+        ["-select_streams", "v:0", "-show_entries", "stream=avg_frame_rate", "-of", "default=nk=1:nw=1"];
     arguments.extend(asked.map(OsString::from));
     let output = start("ffprobe", &arguments)?.wait_with_output()?;
     Ok(parse_rate(&String::from_utf8_lossy(&output.stdout)).unwrap_or(NOMINAL_RATE))
@@ -105,7 +127,9 @@ fn read_picture(pipe: &mut impl BufRead) -> io::Result<Option<RgbImage>> {
     let strange = || io::Error::new(io::ErrorKind::InvalidData, "ffmpeg wrote something that is no picture");
     let (magic, size, depth) = (line()?, line()?, line()?);
     let (width, height) = size.trim().split_once(' ').ok_or_else(strange)?;
-    let side = |text: &str, most: u32| text.parse::<u32>().ok().filter(|side| (1..=most).contains(side)).ok_or_else(strange);
+    let side = |text: &str, most: u32| {
+        text.parse::<u32>().ok().filter(|side| (1..=most).contains(side)).ok_or_else(strange)
+    };
     let (width, height) = (side(width, MOST_WIDTH)?, side(height, MOST_HEIGHT)?);
     if magic.trim() != "P6" || depth.trim() != "255" {
         return Err(strange());
@@ -141,7 +165,10 @@ mod tests {
     #[test]
     fn a_missing_program_is_named_with_its_cure() {
         let error = start("ffmpeg-that-is-not-there", &[""]).unwrap_err().to_string();
-        assert!(error.contains("ffmpeg-that-is-not-there") && error.contains("apt-get install ffmpeg"), "{error}");
+        assert!(
+            error.contains("ffmpeg-that-is-not-there") && error.contains("apt-get install ffmpeg"),
+            "{error}"
+        );
     }
 
     #[test]
@@ -153,7 +180,18 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("-odd name:1.avi");
         let made = Command::new("ffmpeg")
-            .args(["-v", "error", "-f", "lavfi", "-i", "testsrc=size=800x600:rate=12", "-t", "2", "-c:v", "mjpeg"])
+            .args([
+                "-v",
+                "error",
+                "-f",
+                "lavfi",
+                "-i",
+                "testsrc=size=800x600:rate=12",
+                "-t",
+                "2",
+                "-c:v",
+                "mjpeg",
+            ])
             .arg(&path)
             .status()
             .unwrap();

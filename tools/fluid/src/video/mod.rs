@@ -34,5 +34,8 @@ impl Clip {
 /// The luminance of a frame, of BT.601 weights, rounded.
 pub fn luma(frame: &RgbImage) -> Vec<u8> {
     let pixels = frame.as_raw().as_chunks::<3>().0;
-    pixels.iter().map(|[r, g, b]| ((u32::from(*r) * 77 + u32::from(*g) * 150 + u32::from(*b) * 29 + 128) >> 8) as u8).collect()
+    pixels
+        .iter()
+        .map(|[r, g, b]| ((u32::from(*r) * 77 + u32::from(*g) * 150 + u32::from(*b) * 29 + 128) >> 8) as u8)
+        .collect()
 }

@@ -52,7 +52,10 @@ impl Source {
             if sources.len() == before {
                 return Err(io::Error::new(
                     io::ErrorKind::NotFound,
-                    format!("no video in {}: name a video file, a folder with some, or a folder of frames", path.display()),
+                    format!(
+                        "no video in {}: name a video file, a folder with some, or a folder of frames",
+                        path.display()
+                    ),
                 ));
             }
         }
@@ -112,7 +115,11 @@ impl Source {
     ///
     /// No ffmpeg program; nothing that it can decode; frames that cannot be read or are of several sizes.
     pub fn read(&self, extent: Extent) -> io::Result<Clip> {
-        if self.frames.is_empty() { ffmpeg::read(&self.path, extent.seconds) } else { self.read_frames(extent) }
+        if self.frames.is_empty() {
+            ffmpeg::read(&self.path, extent.seconds)
+        } else {
+            self.read_frames(extent)
+        }
     }
 
     fn read_frames(&self, extent: Extent) -> io::Result<Clip> {
@@ -156,9 +163,11 @@ fn collect(path: &Path, named: bool, sources: &mut Vec<Source>) -> io::Result<()
         }
         return Ok(());
     }
-    let mut entries: Vec<PathBuf> = fs::read_dir(path)?.map(|entry| entry.map(|entry| entry.path())).collect::<io::Result<_>>()?;
+    let mut entries: Vec<PathBuf> =
+        fs::read_dir(path)?.map(|entry| entry.map(|entry| entry.path())).collect::<io::Result<_>>()?;
     entries.sort_by(|a, b| in_order(a.as_os_str(), b.as_os_str()));
-    let frames: Vec<PathBuf> = entries.iter().filter(|entry| has_extension(entry, &FRAMES)).cloned().collect();
+    let frames: Vec<PathBuf> =
+        entries.iter().filter(|entry| has_extension(entry, &FRAMES)).cloned().collect();
     if frames.len() >= FRAMES_OF_A_FOLDER {
         sources.push(Source { path: path.to_owned(), frames });
     } else {
@@ -186,7 +195,9 @@ fn in_order(a: &OsStr, b: &OsStr) -> std::cmp::Ordering {
         for letter in name.chars() {
             let Some((number, text)) = runs.last_mut() else { break };
             match letter.to_digit(10) {
-                Some(digit) if text.is_empty() => *number = number.saturating_mul(10).saturating_add(u128::from(digit)),
+                Some(digit) if text.is_empty() => {
+                    *number = number.saturating_mul(10).saturating_add(u128::from(digit))
+                }
                 Some(digit) => runs.push((u128::from(digit), String::new())),
                 None => text.push(letter),
             }
@@ -220,7 +231,9 @@ mod tests {
     fn a_folder_of_frames_is_read_in_the_order_of_their_numbers() {
         let folder = tempfile::tempdir().unwrap();
         for number in [10, 9, 1, 2] {
-            RgbImage::from_pixel(8, 6, Rgb([number; 3])).save(folder.path().join(format!("frame{number}.png"))).unwrap();
+            RgbImage::from_pixel(8, 6, Rgb([number; 3]))
+                .save(folder.path().join(format!("frame{number}.png")))
+                .unwrap();
         }
         let sources = Source::list(&[folder.path().to_owned()]).unwrap();
         let frames = sources[0].read(extent(1.0)).unwrap().frames;
@@ -232,7 +245,9 @@ mod tests {
     fn large_frames_are_made_smaller_and_frames_of_another_size_are_refused() {
         let folder = tempfile::tempdir().unwrap();
         for number in 1..=2 {
-            RgbImage::from_pixel(1280, 400, Rgb([number; 3])).save(folder.path().join(format!("{number}.png"))).unwrap();
+            RgbImage::from_pixel(1280, 400, Rgb([number; 3]))
+                .save(folder.path().join(format!("{number}.png")))
+                .unwrap();
         }
         let source = &Source::list(&[folder.path().to_owned()]).unwrap()[0];
         assert_eq!(source.read(extent(1.0)).unwrap().frames[0].dimensions(), (640, 200));

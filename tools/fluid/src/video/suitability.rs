@@ -60,10 +60,17 @@ impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unreadable(reason) => write!(f, "cannot be read: {reason}"),
-            Self::Small(width, height) => write!(f, "too small: {width} × {height}, {LEAST_SIDE} × {LEAST_SIDE} is the least"),
-            Self::Short(frames) => write!(f, "too short: {frames} different frames, {LEAST_FRAMES} are the least"),
+            Self::Small(width, height) => {
+                write!(f, "too small: {width} × {height}, {LEAST_SIDE} × {LEAST_SIDE} is the least")
+            }
+            Self::Short(frames) => {
+                write!(f, "too short: {frames} different frames, {LEAST_FRAMES} are the least")
+            }
             Self::MovingCamera(motion) => {
-                write!(f, "the camera moves by {motion:.2} pixels a frame, {STEADY} is the most (--force takes it)")
+                write!(
+                    f,
+                    "the camera moves by {motion:.2} pixels a frame, {STEADY} is the most (--force takes it)"
+                )
             }
             Self::Looped(correlation) => write!(
                 f,
@@ -104,7 +111,8 @@ pub fn check_scene(luma: LumaFrames<'_>, flows: &[Flow]) -> Result<(), Refusal> 
 /// fewer than [`AS_ONE`] of the textured points share it. Fluid that fills the picture never moves as one: points differ from each
 /// other by much of their motion.
 pub fn camera_motion(luma: LumaFrames<'_>, flows: &[Flow]) -> f32 {
-    let motions: f32 = flows.iter().zip(luma.frames).map(|(flow, frame)| common_motion(luma, frame, flow)).sum();
+    let motions: f32 =
+        flows.iter().zip(luma.frames).map(|(flow, frame)| common_motion(luma, frame, flow)).sum();
     motions / flows.len().max(1) as f32
 }
 
@@ -113,7 +121,9 @@ fn common_motion(luma: LumaFrames<'_>, frame: &[u8], flow: &Flow) -> f32 {
     let points = (1..flow.rows - 1).flat_map(|row| (1..flow.columns - 1).map(move |column| (column, row)));
     let textured: Vec<[f32; 2]> = points
         .filter(|(column, row)| is_textured(frame, luma.width, column * grid, row * grid))
-        .map(|(column, row)| flow.values[row * flow.columns + column].map(|part| f32::from(part) / Flow::UNIT))
+        .map(|(column, row)| {
+            flow.values[row * flow.columns + column].map(|part| f32::from(part) / Flow::UNIT)
+        })
         .collect();
     if textured.len() * 50 < flow.values.len() {
         return 0.0;
@@ -121,7 +131,10 @@ fn common_motion(luma: LumaFrames<'_>, frame: &[u8], flow: &Flow) -> f32 {
     let common = [0, 1].map(|part| median(textured.iter().map(|motion| motion[part]).collect()));
     let length = common[0].hypot(common[1]);
     let tolerance = TOLERANCE.0 + TOLERANCE.1 * length;
-    let with_it = textured.iter().filter(|motion| (motion[0] - common[0]).hypot(motion[1] - common[1]) < tolerance).count();
+    let with_it = textured
+        .iter()
+        .filter(|motion| (motion[0] - common[0]).hypot(motion[1] - common[1]) < tolerance)
+        .count();
     if with_it as f32 > AS_ONE * textured.len() as f32 { length } else { 0.0 }
 }
 
@@ -170,12 +183,17 @@ mod tests {
 
     fn frames(count: usize, level: impl Fn(usize, f32, f32) -> f32) -> Vec<Vec<u8>> {
         (0..count)
-            .map(|frame| (0..160 * 120).map(|pixel| level(frame, (pixel % 160) as f32, (pixel / 160) as f32) as u8).collect())
+            .map(|frame| {
+                (0..160 * 120)
+                    .map(|pixel| level(frame, (pixel % 160) as f32, (pixel / 160) as f32) as u8)
+                    .collect()
+            })
             .collect()
     }
 
     fn checked(frames: &[Vec<u8>]) -> Result<(), Refusal> {
-        let flows: Vec<Flow> = frames.windows(2).map(|pair| Flow::between(&pair[0], &pair[1], 160, 120)).collect();
+        let flows: Vec<Flow> =
+            frames.windows(2).map(|pair| Flow::between(&pair[0], &pair[1], 160, 120)).collect();
         check_scene(LumaFrames { width: 160, height: 120, frames }, &flows)
     }
 
@@ -188,7 +206,9 @@ mod tests {
 
     #[test]
     fn a_river_between_its_banks_is_no_moving_camera() {
-        let river = frames(12, |frame, x, y| texture(if (40.0..80.0).contains(&y) { x + 1.5 * frame as f32 } else { x }, y));
+        let river = frames(12, |frame, x, y| {
+            texture(if (40.0..80.0).contains(&y) { x + 1.5 * frame as f32 } else { x }, y)
+        });
         assert_eq!(checked(&river), Ok(()));
     }
 
