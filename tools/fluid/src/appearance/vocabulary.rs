@@ -243,10 +243,8 @@ mod tests {
         let samples = samples(5, 20);
         let vocabulary = Vocabulary::train(&samples);
         for (index, sample) in samples.iter().enumerate() {
-            for other in 0..5 {
-                if other != index % 5 {
-                    assert_ne!(vocabulary.word(sample), vocabulary.word(&samples[other]));
-                }
+            for (kind, other) in samples[..5].iter().enumerate().filter(|(kind, _)| *kind != index % 5) {
+                assert_ne!(vocabulary.word(sample), vocabulary.word(other), "kinds {kind} and {}", index % 5);
             }
         }
     }
