@@ -10,20 +10,20 @@ use super::problem::Problem;
 
 /// What was found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub(super) struct Outcome {
     /// The label of every node.
-    pub labels: Vec<usize>,
+    pub(super) labels: Vec<usize>,
     /// The share of all pairs in all moves that had to be lowered, 0..=1.
-    pub truncated: f64,
+    pub(super) truncated: f64,
     /// How many times all labels were tried.
-    pub rounds: usize,
+    pub(super) rounds: usize,
 }
 
 /// Steps of a cost of 1 in the cut, which counts in whole numbers.
 const STEPS: f64 = (1 << 24) as f64;
 
 /// Expands from a choice until no label lowers the energy, at most `rounds` times through all labels. Each move is one cut.
-pub fn expansion(problem: &Problem, start: Vec<usize>, rounds: usize) -> Outcome {
+pub(super) fn expansion(problem: &Problem, start: Vec<usize>, rounds: usize) -> Outcome {
     let labels = (0..problem.nodes()).map(|node| problem.unary(node).len()).max().unwrap_or(0);
     let mut outcome = Outcome { labels: start, truncated: 0.0, rounds: 0 };
     let mut energy = problem.energy(&outcome.labels);
@@ -77,7 +77,14 @@ fn expand(problem: &Problem, labels: &[usize], alpha: usize) -> (Vec<usize>, usi
         network.add_sink(node, (-cost).max(0));
     }
     let (_, takes) = network.cut();
-    (takes.iter().enumerate().map(|(node, &takes)| if takes { other(node) } else { labels[node] }).collect(), truncated)
+    (
+        takes
+            .iter()
+            .enumerate()
+            .map(|(node, &takes)| if takes { other(node) } else { labels[node] })
+            .collect(),
+        truncated,
+    )
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 /// A graph with a source, a sink, and arcs between its nodes.
 #[derive(Clone, Debug, Default)]
-pub struct Network {
+pub(super) struct Network {
     /// Arcs in pairs: arc `a` and the way back `a ^ 1`.
     arcs: Vec<Arc>,
     /// The arcs that leave each node.
@@ -23,22 +23,27 @@ struct Arc {
 
 impl Network {
     /// Nodes without arcs.
-    pub fn new(nodes: usize) -> Self {
-        Self { arcs: Vec::new(), leaving: vec![Vec::new(); nodes], source: vec![0; nodes], sink: vec![0; nodes] }
+    pub(super) fn new(nodes: usize) -> Self {
+        Self {
+            arcs: Vec::new(),
+            leaving: vec![Vec::new(); nodes],
+            source: vec![0; nodes],
+            sink: vec![0; nodes],
+        }
     }
 
     /// Lets `capacity` ≥ 0 flow from the source into a node.
-    pub fn add_source(&mut self, node: usize, capacity: i64) {
+    pub(super) fn add_source(&mut self, node: usize, capacity: i64) {
         self.source[node] += capacity;
     }
 
     /// Lets `capacity` ≥ 0 flow from a node into the sink.
-    pub fn add_sink(&mut self, node: usize, capacity: i64) {
+    pub(super) fn add_sink(&mut self, node: usize, capacity: i64) {
         self.sink[node] += capacity;
     }
 
     /// Lets `capacity` ≥ 0 flow from one node to another.
-    pub fn add_arc(&mut self, from: usize, to: usize, capacity: i64) {
+    pub(super) fn add_arc(&mut self, from: usize, to: usize, capacity: i64) {
         let number = self.arcs.len() as u32;
         self.arcs.push(Arc { to: to as u32, capacity });
         self.arcs.push(Arc { to: from as u32, capacity: 0 });
@@ -47,7 +52,7 @@ impl Network {
     }
 
     /// The most that flows, and for every node whether it lies on the sink's side of the cut. O(nodes³).
-    pub fn cut(mut self) -> (i64, Vec<bool>) {
+    pub(super) fn cut(mut self) -> (i64, Vec<bool>) {
         let nodes = self.leaving.len();
         let mut excess = std::mem::take(&mut self.source);
         let mut height = self.distances();
@@ -60,7 +65,8 @@ impl Network {
             while excess[node] > 0 && height[node] <= nodes {
                 // The sink is at height 0, and no way is shorter.
                 let out = excess[node].min(self.sink[node]);
-                (self.sink[node], excess[node], flow) = (self.sink[node] - out, excess[node] - out, flow + out);
+                (self.sink[node], excess[node], flow) =
+                    (self.sink[node] - out, excess[node] - out, flow + out);
                 if excess[node] == 0 {
                     break;
                 }
@@ -92,7 +98,10 @@ impl Network {
     fn lift(&self, node: usize, height: &mut [usize], at_height: &mut [usize]) {
         let nodes = height.len();
         let old = height[node];
-        let open = self.leaving[node].iter().map(|&number| &self.arcs[number as usize]).filter(|arc| arc.capacity > 0);
+        let open = self.leaving[node]
+            .iter()
+            .map(|&number| &self.arcs[number as usize])
+            .filter(|arc| arc.capacity > 0);
         let lowest = open.map(|arc| height[arc.to as usize]).min().unwrap_or(nodes);
         at_height[old] -= 1;
         height[node] = if self.sink[node] > 0 { 1 } else { (lowest + 1).min(nodes + 1) };
@@ -132,8 +141,10 @@ mod tests {
 
     /// What a cut costs: the capacities from the source's side to the sink's.
     fn price(ends: &[(i64, i64)], arcs: &[(usize, usize, i64)], sink_side: &[bool]) -> i64 {
-        let ends = ends.iter().zip(sink_side).map(|(&(source, sink), &side)| if side { source } else { sink });
-        let arcs = arcs.iter().filter(|&&(from, to, _)| !sink_side[from] && sink_side[to]).map(|&(_, _, c)| c);
+        let ends =
+            ends.iter().zip(sink_side).map(|(&(source, sink), &side)| if side { source } else { sink });
+        let arcs =
+            arcs.iter().filter(|&&(from, to, _)| !sink_side[from] && sink_side[to]).map(|&(_, _, c)| c);
         ends.sum::<i64>() + arcs.sum::<i64>()
     }
 

@@ -3,18 +3,18 @@
 
 /// Two nodes whose labels cost together.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Edge {
+pub(super) struct Edge {
     /// The node of the lower number.
-    pub first: usize,
+    pub(super) first: usize,
     /// The node of the higher number.
-    pub second: usize,
+    pub(super) second: usize,
     /// A row for each label of the first, a column for each of the second.
-    pub costs: Vec<f32>,
+    pub(super) costs: Vec<f32>,
 }
 
 /// Nodes with labels, and edges between them.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Problem {
+pub(super) struct Problem {
     unary: Vec<Vec<f32>>,
     edges: Vec<Edge>,
     /// The edges of each node whose other node is lower, and those whose other node is higher.
@@ -28,7 +28,7 @@ impl Problem {
     /// # Panics
     ///
     /// If a node has no label, if an edge's nodes are not in order, or if its table is of another size than its nodes ask for.
-    pub fn new(unary: Vec<Vec<f32>>, edges: Vec<Edge>) -> Self {
+    pub(super) fn new(unary: Vec<Vec<f32>>, edges: Vec<Edge>) -> Self {
         assert!(unary.iter().all(|costs| !costs.is_empty()), "every node has a label");
         let (mut lower, mut higher) = (vec![Vec::new(); unary.len()], vec![Vec::new(); unary.len()]);
         for (number, edge) in edges.iter().enumerate() {
@@ -41,51 +41,54 @@ impl Problem {
     }
 
     /// How many nodes there are.
-    pub fn nodes(&self) -> usize {
+    pub(super) fn nodes(&self) -> usize {
         self.unary.len()
     }
 
     /// The costs of a node's labels.
-    pub fn unary(&self, node: usize) -> &[f32] {
+    pub(super) fn unary(&self, node: usize) -> &[f32] {
         &self.unary[node]
     }
 
     /// All edges.
-    pub fn edges(&self) -> &[Edge] {
+    pub(super) fn edges(&self) -> &[Edge] {
         &self.edges
     }
 
     /// The numbers of a node's edges to lower nodes.
-    pub fn lower(&self, node: usize) -> &[usize] {
+    pub(super) fn lower(&self, node: usize) -> &[usize] {
         &self.lower[node]
     }
 
     /// The numbers of a node's edges to higher nodes.
-    pub fn higher(&self, node: usize) -> &[usize] {
+    pub(super) fn higher(&self, node: usize) -> &[usize] {
         &self.higher[node]
     }
 
     /// What an edge costs when its nodes have these labels.
-    pub fn pair(&self, edge: usize, first: usize, second: usize) -> f32 {
+    pub(super) fn pair(&self, edge: usize, first: usize, second: usize) -> f32 {
         let edge = &self.edges[edge];
         edge.costs[first * self.unary[edge.second].len() + second]
     }
 
     /// What a choice costs. O(nodes + edges).
-    pub fn energy(&self, labels: &[usize]) -> f64 {
+    pub(super) fn energy(&self, labels: &[usize]) -> f64 {
         let unary: f64 = self.unary.iter().zip(labels).map(|(costs, &label)| f64::from(costs[label])).sum();
         let pairs = self.edges.iter().enumerate();
-        unary + pairs.map(|(e, edge)| f64::from(self.pair(e, labels[edge.first], labels[edge.second]))).sum::<f64>()
+        unary
+            + pairs
+                .map(|(e, edge)| f64::from(self.pair(e, labels[edge.first], labels[edge.second])))
+                .sum::<f64>()
     }
 
     /// The cheapest label of every node, whatever its neighbours take; the first of equals.
-    pub fn greedy(&self) -> Vec<usize> {
+    pub(super) fn greedy(&self) -> Vec<usize> {
         self.unary.iter().map(|costs| cheapest(costs)).collect()
     }
 
     /// Iterated conditional modes (Besag 1986): node after node takes the label that is cheapest beside its neighbours', until none
     /// changes. The energy never rises, and ends in the nearest valley.
-    pub fn icm(&self, labels: &mut [usize]) {
+    pub(super) fn icm(&self, labels: &mut [usize]) {
         let mut costs = Vec::new();
         loop {
             let mut changed = false;
@@ -93,11 +96,17 @@ impl Problem {
                 costs.clone_from(&self.unary[node]);
                 for &e in &self.lower[node] {
                     let other = labels[self.edges[e].first];
-                    costs.iter_mut().enumerate().for_each(|(label, cost)| *cost += self.pair(e, other, label));
+                    costs
+                        .iter_mut()
+                        .enumerate()
+                        .for_each(|(label, cost)| *cost += self.pair(e, other, label));
                 }
                 for &e in &self.higher[node] {
                     let other = labels[self.edges[e].second];
-                    costs.iter_mut().enumerate().for_each(|(label, cost)| *cost += self.pair(e, label, other));
+                    costs
+                        .iter_mut()
+                        .enumerate()
+                        .for_each(|(label, cost)| *cost += self.pair(e, label, other));
                 }
                 let best = cheapest(&costs);
                 // Only what is cheaper by more than rounding counts, so that it ends.

@@ -9,13 +9,13 @@ use super::problem::{Problem, cheapest};
 
 /// What was found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub(super) struct Outcome {
     /// The label of every node.
-    pub labels: Vec<usize>,
+    pub(super) labels: Vec<usize>,
     /// No choice costs less than this (within the rounding of `f32`: about one part in a million).
-    pub bound: f64,
+    pub(super) bound: f64,
     /// How many times the messages went there and back.
-    pub iterations: usize,
+    pub(super) iterations: usize,
 }
 
 /// A bound that rises by less than this share no longer moves the choice: thirty more rounds changed nothing.
@@ -28,7 +28,7 @@ struct Messages {
 }
 
 /// Minimises the energy in at most `iterations` rounds, each O(edges · labels²).
-pub fn trws(problem: &Problem, iterations: usize) -> Outcome {
+pub(super) fn trws(problem: &Problem, iterations: usize) -> Outcome {
     let zeros = |node: usize| vec![0.0f32; problem.unary(node).len()];
     let mut messages = Messages {
         to_first: problem.edges().iter().map(|edge| zeros(edge.first)).collect(),
