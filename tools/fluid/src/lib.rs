@@ -13,6 +13,7 @@ pub mod appearance;
 pub mod database;
 pub mod features;
 pub mod footage;
+pub mod guidance;
 pub mod label;
 pub mod motion;
 pub mod patch;
