@@ -32,7 +32,7 @@ pub struct DirectionField {
 impl DirectionField {
     /// The field of strokes over a picture of this size. Strokes have at least two different points.
     pub fn new(strokes: &[Stroke], (width, height): (usize, usize)) -> Self {
-        let total: f32 = strokes.iter().map(|stroke| length(stroke)).sum();
+        let total: f32 = strokes.iter().map(length).sum();
         // Each stroke has one place more than it has steps.
         let room = MOST.saturating_sub(strokes.len()).max(1);
         let step = STEP.max(total / room as f32);
@@ -109,17 +109,25 @@ fn solve(mut matrix: Vec<Vec<f64>>, right: &[[f32; 2]]) -> Vec<[f32; 2]> {
         }
     }
     let mut solution: Vec<[f64; 2]> = right.iter().map(|value| value.map(f64::from)).collect();
-    for axis in 0..2 {
-        for row in 0..size {
-            let done: f64 = (0..row).map(|k| matrix[row][k] * solution[k][axis]).sum();
-            solution[row][axis] = (solution[row][axis] - done) / matrix[row][row];
+    for row in 0..size {
+        for (column, &factor) in matrix[row][..row].iter().enumerate() {
+            take(&mut solution, row, column, factor);
         }
-        for row in (0..size).rev() {
-            let done: f64 = (row + 1..size).map(|k| matrix[k][row] * solution[k][axis]).sum();
-            solution[row][axis] = (solution[row][axis] - done) / matrix[row][row];
+        solution[row] = solution[row].map(|value| value / matrix[row][row]);
+    }
+    for row in (0..size).rev() {
+        for (column, line) in matrix.iter().enumerate().skip(row + 1) {
+            take(&mut solution, row, column, line[row]);
         }
+        solution[row] = solution[row].map(|value| value / matrix[row][row]);
     }
     solution.into_iter().map(|value| value.map(|value| value as f32)).collect()
+}
+
+/// Takes a multiple of one row of a solution from another.
+fn take(solution: &mut [[f64; 2]], from: usize, row: usize, factor: f64) {
+    let [x, y] = solution[row];
+    solution[from] = [solution[from][0] - factor * x, solution[from][1] - factor * y];
 }
 
 #[cfg(test)]

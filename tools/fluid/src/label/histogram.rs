@@ -92,7 +92,7 @@ mod tests {
     fn literal(a: &WordMap, b: &WordMap) -> u8 {
         let inside = |region: usize, place: usize| {
             let quarter = [place / 9 > 4, place % 9 > 4];
-            region == 0 || quarter == [region > 2, region % 2 == 0]
+            region == 0 || quarter == [region > 2, region.is_multiple_of(2)]
         };
         let count = |words: &WordMap, region, word| {
             words

@@ -152,7 +152,9 @@ fn transposed(patches: &[Overlap]) -> Vec<[f32; LANES]> {
 fn dots(row: &Overlap, tile: &[[f32; LANES]]) -> [f32; LANES] {
     let mut sums = [0.0; LANES];
     for (&value, others) in row.iter().zip(tile) {
-        sums.iter_mut().zip(others).for_each(|(sum, other)| *sum += value * other);
+        for lane in 0..LANES {
+            sums[lane] += value * others[lane];
+        }
     }
     sums
 }
