@@ -4,7 +4,7 @@
 //! third of its words changed. Motions differ from video to video, and less within one.
 
 use yurameki_fluid::{
-    features::{Features, PLACES, WORDS},
+    features::{Features, WORDS},
     label::{Grid, Look, Options, Target, Wanted, label},
     patch::{PatchRef, Version},
 };
@@ -65,9 +65,9 @@ fn main() {
     let looks = (0..grid.columns * grid.rows).map(|_| {
         let like = &features[(numbers.next() * count as f32) as usize];
         let mut words = like.words[0];
-        for place in 0..PLACES {
+        for word in &mut words {
             if numbers.next() < 0.33 {
-                words[place] = numbers.word();
+                *word = numbers.word();
             }
         }
         Some(Look { words, contrast: like.contrast, blown: false, wanted: Wanted::default() })

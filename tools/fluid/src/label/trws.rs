@@ -127,8 +127,7 @@ fn over_rows(lent: &[f32], costs: &[f32], out: &mut [f32]) {
     out.fill(f32::INFINITY);
     for (&from, row) in lent.iter().zip(costs.chunks_exact(out.len())) {
         for (least, &cost) in out.iter_mut().zip(row) {
-            let sum = from + cost;
-            *least = if sum < *least { sum } else { *least };
+            *least = lesser(*least, from + cost);
         }
     }
 }
@@ -143,18 +142,23 @@ fn over_columns(lent: &[f32], costs: &[f32], out: &mut [f32]) {
         let rest = from.remainder().iter().zip(cost.remainder());
         for (from, cost) in from.zip(cost) {
             for lane in 0..LANES {
-                let sum = from[lane] + cost[lane];
-                lanes[lane] = if sum < lanes[lane] { sum } else { lanes[lane] };
+                lanes[lane] = lesser(lanes[lane], from[lane] + cost[lane]);
             }
         }
         let rest = rest.map(|(from, cost)| from + cost);
-        *least = lanes.into_iter().chain(rest).fold(f32::INFINITY, f32::min);
+        let across = lanes.into_iter().fold(f32::INFINITY, lesser);
+        *least = rest.fold(across, lesser);
     }
+}
+
+/// The lesser of two numbers, neither of which is NaN: one instruction.
+fn lesser(a: f32, b: f32) -> f32 {
+    if b < a { b } else { a }
 }
 
 /// Takes the least from all and returns it.
 fn lower_to_zero(costs: &mut [f32]) -> f32 {
-    let least = costs.iter().copied().fold(f32::INFINITY, f32::min);
+    let least = costs.iter().copied().fold(f32::INFINITY, lesser);
     costs.iter_mut().for_each(|cost| *cost -= least);
     least
 }
