@@ -15,6 +15,7 @@ pub mod commands;
 pub mod database;
 pub mod features;
 pub mod footage;
+pub mod guidance;
 pub mod label;
 pub mod motion;
 pub mod patch;
