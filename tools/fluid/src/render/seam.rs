@@ -15,7 +15,7 @@ const LONGEST_FADE: usize = 12;
 const BEND: f32 = 0.07;
 
 /// A loop of a video's frames.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Loop {
     /// The first frame; the fade reads up to [`Self::fade`] frames before it.
     start: usize,
@@ -31,6 +31,11 @@ pub(super) struct Loop {
     steady: f32,
     /// The last frame that there is.
     last: usize,
+}
+
+/// Frames of a video worth reading for a clip that lasts `wanted` of them: enough to choose from.
+pub(super) fn frames_to_read(wanted: f32) -> u32 {
+    (wanted * (1.0 + BEND) * 1.25) as u32 + LONGEST_FADE as u32 + 2
 }
 
 /// A frame of a video and how much of it is shown.
