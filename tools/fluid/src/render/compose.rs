@@ -21,6 +21,9 @@ const CALM: f32 = 4.0;
 /// A change is scaled by no less and no more than this.
 const GAINS: (f32, f32) = (0.4, 1.6);
 
+/// The motion of a patch is brought this much nearer to what is usual in the picture: the exponent of their ratio.
+const EVEN: f32 = 0.5;
+
 /// The changes of all frames, and how many a second they are.
 pub(super) struct Detail {
     /// One a frame, as large as the picture at the working size, in levels of luminance.
@@ -36,6 +39,9 @@ struct Ready<'a> {
     mean: Vec<f32>,
     gain: f32,
 }
+
+/// Moments at which a patch is looked at.
+const MOMENTS: [f32; 4] = [0.125, 0.375, 0.625, 0.875];
 
 /// Composes the detail for a picture of this luminance.
 pub(super) fn compose(ask: &Ask<'_>, labelling: &Labelling, picture: &Plane, footage: &dyn Footage) -> Result<Detail, RenderError> {
@@ -74,8 +80,15 @@ pub(super) fn compose(ask: &Ask<'_>, labelling: &Labelling, picture: &Plane, foo
 /// The first reel, the clip's rate, and empty frames as many as its loop has.
 fn first(ask: &Ask<'_>, video: &Video, footage: &dyn Footage, grid: Grid) -> Result<(Reel, f32, Vec<Laplacian>), RenderError> {
     let (wanted, free) = ask.options.seconds.map_or((super::SECONDS, true), |seconds| (seconds, false));
-    let reel = Reel::load(footage, video, wanted, free)?;
-    let seconds = if free { reel.round().length() as f32 / video.rate } else { wanted };
+    let mut reel = Reel::load(footage, video, wanted, free)?;
+    let mut seconds = wanted;
+    if free {
+        // A loop that is short goes round until other videos find room beside it.
+        let once = reel.round().length() as f32 / video.rate;
+        let rounds = (super::SHORTEST / once).ceil().max(1.0);
+        reel.repeat(rounds as usize);
+        seconds = once * rounds;
+    }
     let rate = ask.options.rate.unwrap_or(video.rate).clamp(super::RATES.0, super::RATES.1);
     let count = ((seconds * rate).round() as usize).clamp(2, super::MOST_FRAMES);
     let (width, height) = ((grid.columns + 1) * STRIDE, (grid.rows + 1) * STRIDE);
@@ -119,7 +132,7 @@ impl<'a> Ready<'a> {
         let taps = reel.taps(&laid.patch);
         let mean = reel.mean(&taps);
         let mut shown = vec![0.0; SIDE * SIDE];
-        let contrasts = [0.125, 0.375, 0.625, 0.875].map(|moment| {
+        let contrasts = MOMENTS.map(|moment| {
             shown.fill(0.0);
             if let Some((frame, _)) = reel.round().at(moment).next() {
                 reel.add(&taps, (frame, 1.0), &mut shown);

@@ -14,6 +14,9 @@ const REACH: usize = 6;
 /// Surroundings take so much of the fire's own flicker where its light is full.
 const LIGHT: f32 = 0.8;
 
+/// A pixel keeps what it has beyond the palette while its luminance changes by less than about so many levels.
+const OWN: f32 = 25.0;
+
 /// Where less of the light is the fluid's, surroundings stay as they are.
 const DARK: f32 = 0.03;
 
@@ -88,12 +91,20 @@ impl Flame {
         let share = self.outlines.at(index, x, y);
         let light = self.lit.as_ref().map_or(1.0, |lit| 1.0 + LIGHT * lit.values[place] * (self.brightness[index] - 1.0));
         let own = luminance_of(fluid);
-        let (before, after) = (self.palette.at(own), self.palette.at(own + change));
+        let behind = [0, 1, 2].map(|channel| self.behind[channel].values[place] * light);
+        // A thin flame is a darker one, of a darker flame's colour: mixed like paint it would be grey.
+        let bright = (own + change).clamp(0.0, 255.0);
+        let (thin, solid) = if self.glows() { (luminance_of(behind) * (1.0 - share) + bright * share, 1.0 - (1.0 - share).powi(3)) } else { (bright, share) };
+        let (before, after) = (self.palette.at(own), self.palette.at(thin));
+        let stays = (-(thin - own).abs() / OWN).exp();
         core::array::from_fn(|channel| {
-            let moving = (fluid[channel] + after[channel] - before[channel]).clamp(0.0, 255.0);
-            let behind = self.behind[channel].values[place] * light;
-            behind + (moving - behind) * share
+            let moving = (after[channel] + (fluid[channel] - before[channel]) * stays).clamp(0.0, 255.0);
+            behind[channel] + (moving - behind[channel]) * solid
         })
+    }
+
+    fn glows(&self) -> bool {
+        self.lit.is_some()
     }
 
     /// What a clip of it rests on: where the outline moves, `base` and `small`, the same picture at the working size, become the mean of the

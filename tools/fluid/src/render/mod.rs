@@ -41,6 +41,9 @@ const LARGEST_BASE: Size = Size::new(1920, 1080);
 /// A clip is about as long if the video that is used most has as many.
 const SECONDS: f32 = 5.0;
 
+/// A clip is no shorter than this unless it is asked to be, in seconds.
+const SHORTEST: f32 = 3.0;
+
 /// Frames a second that a clip may have.
 const RATES: (f32, f32) = (1.0, 60.0);
 

@@ -92,6 +92,11 @@ impl Reel {
         &self.round
     }
 
+    /// The loop goes round so many times in a clip.
+    pub(super) fn repeat(&mut self, rounds: usize) {
+        self.round.repeat(rounds);
+    }
+
     /// Where the pixels of `patch` lie.
     pub(super) fn taps(&self, patch: &PatchRef) -> Taps {
         let [[a, b], [c, d]] = patch.version.to_video();

@@ -51,8 +51,8 @@ impl Loop {
         }
         // A loop and the fade before it must be there.
         let longest = (last as f32 / (1.0 + FADE)).max((last.saturating_sub(LONGEST_FADE)) as f32);
-        let rounds = (wanted * (1.0 - BEND) / longest).ceil().max(1.0);
-        let ideal = wanted / rounds;
+        let rounds = if free { 1.0 } else { (wanted * (1.0 - BEND) / longest).ceil().max(1.0) };
+        let ideal = (wanted / rounds).min(longest * (1.0 + BEND));
         let (least, most) = if free { (0.75, 1.0) } else { (1.0 - BEND, 1.0 + BEND) };
         let least = ((ideal * least) as usize).clamp(2, last - 1);
         let most = ((ideal * most).ceil() as usize).clamp(least, last - 1);
@@ -77,6 +77,11 @@ impl Loop {
     /// Frames of the video until it begins again.
     pub(super) fn length(&self) -> usize {
         self.length
+    }
+
+    /// The same, so many times in a clip.
+    pub(super) fn repeat(&mut self, rounds: usize) {
+        self.rounds = rounds;
     }
 
     /// What is shown at a moment, 0..1 of the clip: at most four terms, whose weights keep the contrast of one frame.
