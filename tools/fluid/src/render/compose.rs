@@ -4,6 +4,7 @@
 //! its neighbours continue it, since blobs as large as a patch would come and go; 2) D is scaled to the contrast of the picture there;
 //! 3) where patches overlap, their sum is divided by its expected contrast, since a mean of strangers is paler than each.
 
+use super::flat::{continued, is_flat, statistics, under};
 use super::plan::{self, LEVELS, Laid};
 use super::pyramid::Laplacian;
 use super::reel::{Reel, Taps};
@@ -20,9 +21,6 @@ const CALM: f32 = 4.0;
 
 /// A change is scaled by no less and no more than this.
 const GAINS: (f32, f32) = (0.4, 1.6);
-
-/// The motion of a patch is brought this much nearer to what is usual in the picture: the exponent of their ratio.
-const EVEN: f32 = 0.5;
 
 /// The changes of all frames, and how many a second they are.
 pub(super) struct Detail {
@@ -45,7 +43,7 @@ const MOMENTS: [f32; 4] = [0.125, 0.375, 0.625, 0.875];
 
 /// Composes the detail for a picture of this luminance.
 pub(super) fn compose(ask: &Ask<'_>, labelling: &Labelling, picture: &Plane, footage: &dyn Footage) -> Result<Detail, RenderError> {
-    let laid = plan::plan(labelling);
+    let laid = plan::plan(&continued(labelling, picture, footage));
     let mut used: BTreeMap<u32, Vec<&Laid>> = BTreeMap::new();
     for one in &laid {
         used.entry(one.patch.video).or_default().push(one);
@@ -137,13 +135,11 @@ impl<'a> Ready<'a> {
             if let Some((frame, _)) = reel.round().at(moment).next() {
                 reel.add(&taps, (frame, 1.0), &mut shown);
             }
-            deviation(shown.iter().copied())
+            statistics(shown.iter().copied()).1
         });
         let theirs = contrasts.iter().sum::<f32>() / contrasts.len() as f32;
-        let (left, top) = (laid.place.0 * STRIDE, laid.place.1 * STRIDE);
-        let (right, bottom) = ((left + SIDE).min(picture.width), (top + SIDE).min(picture.height));
-        let ours = deviation((top..bottom).flat_map(|y| &picture.row(y)[left.min(right)..right]).copied());
-        let gain = ((ours + CALM) / (theirs + CALM)).clamp(GAINS.0, GAINS.1);
+        let (mean_of_ours, ours) = under(picture, laid.place);
+        let gain = if is_flat(mean_of_ours, ours) { 1.0 } else { ((ours + CALM) / (theirs + CALM)).clamp(GAINS.0, GAINS.1) };
         Self { laid, taps, mean, gain }
     }
 
@@ -165,12 +161,6 @@ impl<'a> Ready<'a> {
             *value = (*value - blob) * self.gain;
         }
     }
-}
-
-/// The standard deviation of values.
-fn deviation(values: impl Iterator<Item = f32>) -> f32 {
-    let (count, sum, squares) = values.fold((0.0, 0.0, 0.0), |(n, sum, squares), value| (n + 1.0, sum + value, squares + value * value));
-    if count == 0.0 { 0.0 } else { f32::sqrt((squares / count - (sum / count) * (sum / count)).max(0.0)) }
 }
 
 /// The upper left part of a plane, filled up with zeros.

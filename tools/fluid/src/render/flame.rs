@@ -3,7 +3,7 @@
 use super::colour::{Palette, luminance_of};
 use super::inpaint::fill;
 use super::outline::Outlines;
-use super::pyramid::{expand_onto, halved, reduce};
+use super::pyramid::blurred;
 use crate::plane::Plane;
 use image::{Rgb, RgbImage};
 use rayon::prelude::*;
@@ -53,7 +53,7 @@ impl Flame {
             behind,
             palette: Palette::of(picture, matte),
             outlines: Outlines::default(),
-            lit: glows.then(|| blurred(matte)),
+            lit: glows.then(|| light(matte)),
             brightness: Vec::new(),
         }
     }
@@ -165,19 +165,9 @@ fn channels(picture: &RgbImage) -> Colours {
     })
 }
 
-/// A plane blurred by going down the pyramid and up again, with its peak brought back to 1.
-fn blurred(plane: &Plane) -> Plane {
-    fn down(plane: &Plane, levels: usize) -> Plane {
-        if levels == 0 || plane.width.min(plane.height) < 2 {
-            return plane.clone();
-        }
-        let mut coarse = Plane::new(halved(plane.width), halved(plane.height));
-        reduce(plane, &mut coarse);
-        let mut out = Plane::new(plane.width, plane.height);
-        expand_onto(&down(&coarse, levels - 1), &mut out, 1.0);
-        out
-    }
-    let mut out = down(plane, REACH);
+/// The fluid's share of the light at every place, 1 where it is most.
+fn light(matte: &Plane) -> Plane {
+    let mut out = blurred(matte, REACH);
     let peak = out.values.iter().copied().fold(1e-3, f32::max);
     out.values.iter_mut().for_each(|value| *value /= peak);
     out

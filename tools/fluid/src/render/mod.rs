@@ -10,7 +10,9 @@
 
 mod colour;
 mod compose;
+mod edges;
 mod flame;
+mod flat;
 mod inpaint;
 mod look;
 mod outline;
@@ -42,7 +44,7 @@ const LARGEST_BASE: Size = Size::new(1920, 1080);
 const SECONDS: f32 = 5.0;
 
 /// A clip is no shorter than this unless it is asked to be, in seconds.
-const SHORTEST: f32 = 3.0;
+const SHORTEST: f32 = 2.4;
 
 /// Frames a second that a clip may have.
 const RATES: (f32, f32) = (1.0, 60.0);
@@ -169,9 +171,10 @@ pub fn animate(
     let mut base = resize(picture, bounded.width, bounded.height, FilterType::Triangle);
     let mut small = resize(&base, matte.width as u32, matte.height as u32, FilterType::Triangle);
     let ask = Ask { options, progress };
-    let mut detail = compose::compose(&ask, labelling, &colour::luminance(&small), footage)?;
+    let luminance = colour::luminance(&small);
+    let mut detail = compose::compose(&ask, labelling, &luminance, footage)?;
+    edges::settle(&luminance, &mut detail.frames);
     if options.class == Class::Water {
-        let luminance = colour::luminance(&small);
         match_look(&ask, &luminance, matte, &mut detail.frames);
         let tint = Palette::of(&small, matte).tint();
         let matte = matte.values.iter().map(|alpha| (alpha * 255.0).round() as u8).collect();
@@ -257,3 +260,6 @@ impl Animation {
         out
     }
 }
+
+#[cfg(test)]
+mod tests;

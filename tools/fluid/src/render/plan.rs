@@ -89,7 +89,7 @@ fn weights(profile: &[f32; SIDE], level: usize, index: usize, near: &[((i32, i32
 }
 
 /// The up to eight neighbours of a place: how far to the right and down, and their index.
-fn neighbours(grid: Grid, (column, row): (usize, usize)) -> impl Iterator<Item = ((i32, i32), usize)> {
+pub(super) fn neighbours(grid: Grid, (column, row): (usize, usize)) -> impl Iterator<Item = ((i32, i32), usize)> {
     let around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down))).filter(|&offset| offset != (0, 0));
     around.filter_map(move |(right, down)| {
         let column = column.checked_add_signed(right as isize).filter(|&column| column < grid.columns)?;

@@ -64,6 +64,18 @@ pub(super) fn sizes(width: usize, height: usize, levels: usize) -> impl Iterator
     std::iter::successors(Some((width, height)), |&(width, height)| Some((halved(width), halved(height)))).take(levels)
 }
 
+/// A plane blurred by going so many levels down and up again: by a standard deviation of about 2^levels pixels.
+pub(super) fn blurred(plane: &Plane, levels: usize) -> Plane {
+    if levels == 0 || plane.width.min(plane.height) < 2 {
+        return plane.clone();
+    }
+    let mut coarse = Plane::new(halved(plane.width), halved(plane.height));
+    reduce(plane, &mut coarse);
+    let mut out = Plane::new(plane.width, plane.height);
+    expand_onto(&blurred(&coarse, levels - 1), &mut out, 1.0);
+    out
+}
+
 /// A pyramid of differences; the last level is what remains.
 #[derive(Clone, Debug)]
 pub(super) struct Laplacian {
