@@ -43,7 +43,8 @@ impl Palette {
             for (other, sum) in sums.iter().enumerate() {
                 let distance = (other as f32 - level as f32) / BREADTH;
                 // The tail is long on purpose: levels that the picture does not have take the nearest that it has.
-                let share = (-0.5 * distance * distance).exp() + 1e-5 / (1.0 + distance * distance * distance * distance);
+                let share = (-0.5 * distance * distance).exp()
+                    + 1e-5 / (1.0 + distance * distance * distance * distance);
                 total.iter_mut().zip(sum).for_each(|(total, sum)| *total += share * sum);
             }
             of_luminance([total[0], total[1], total[2]].map(|sum| sum / total[3]), level as f32)
@@ -54,7 +55,9 @@ impl Palette {
     pub(super) fn at(&self, luminance: f32) -> [f32; 3] {
         let luminance = luminance.clamp(0.0, 254.99);
         let (level, part) = (luminance as usize, luminance.fract());
-        core::array::from_fn(|channel| self.0[level][channel] + (self.0[level + 1][channel] - self.0[level][channel]) * part)
+        core::array::from_fn(|channel| {
+            self.0[level][channel] + (self.0[level + 1][channel] - self.0[level][channel]) * part
+        })
     }
 
     /// Its slope at every luminance, as a clip wants it.
@@ -62,7 +65,9 @@ impl Palette {
         Tint(core::array::from_fn(|level| {
             let (low, high) = (level.saturating_sub(RUN / 2), (level + RUN / 2).min(255));
             let slope = |channel: usize| (self.0[high][channel] - self.0[low][channel]) / (high - low) as f32;
-            core::array::from_fn(|channel| (slope(channel) * f32::from(Tint::ONE)).round().clamp(0.0, 128.0) as u8)
+            core::array::from_fn(|channel| {
+                (slope(channel) * f32::from(Tint::ONE)).round().clamp(0.0, 128.0) as u8
+            })
         }))
     }
 }
@@ -111,7 +116,11 @@ mod tests {
         let picture = RgbImage::from_fn(256, 1, |x, _| Rgb([x as u8; 3]));
         let tint = Palette::of(&picture, &Plane { width: 256, height: 1, values: vec![1.0; 256] }).tint();
         for level in 40..200 {
-            assert!(tint.0[level].iter().all(|slope| slope.abs_diff(Tint::ONE) < 4), "{:?} at {level}", tint.0[level]);
+            assert!(
+                tint.0[level].iter().all(|slope| slope.abs_diff(Tint::ONE) < 4),
+                "{:?} at {level}",
+                tint.0[level]
+            );
         }
     }
 }

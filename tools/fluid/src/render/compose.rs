@@ -6,10 +6,10 @@
 
 use super::flat::{continued, is_flat, statistics, under};
 use super::plan::{self, LEVELS, Laid};
-use super::pyramid::Laplacian;
+use super::pyramid::{Laplacian, blurred};
 use super::reel::{Reel, Taps};
 use super::{Ask, RenderError};
-use crate::footage::{Footage, Video};
+use crate::footage::{Class, Footage, Video};
 use crate::label::{Grid, Labelling};
 use crate::patch::{SIDE, STRIDE};
 use crate::plane::Plane;
@@ -21,6 +21,13 @@ const CALM: f32 = 4.0;
 
 /// A change is scaled by no less and no more than this.
 const GAINS: (f32, f32) = (0.4, 1.6);
+
+/// The share of changes as broad as a patch that is taken from water, which sparkles and does not glow: they look like blobs that pop up.
+/// Flames and smoke need them.
+const BROAD: f32 = 0.7;
+
+/// Halvings of a blur that only such changes outlast.
+const BREADTH: usize = 4;
 
 /// The changes of all frames, and how many a second they are.
 pub(super) struct Detail {
@@ -42,7 +49,12 @@ struct Ready<'a> {
 const MOMENTS: [f32; 4] = [0.125, 0.375, 0.625, 0.875];
 
 /// Composes the detail for a picture of this luminance.
-pub(super) fn compose(ask: &Ask<'_>, labelling: &Labelling, picture: &Plane, footage: &dyn Footage) -> Result<Detail, RenderError> {
+pub(super) fn compose(
+    ask: &Ask<'_>,
+    labelling: &Labelling,
+    picture: &Plane,
+    footage: &dyn Footage,
+) -> Result<Detail, RenderError> {
     let laid = plan::plan(&continued(labelling, picture, footage));
     let mut used: BTreeMap<u32, Vec<&Laid>> = BTreeMap::new();
     for one in &laid {
@@ -58,7 +70,9 @@ pub(super) fn compose(ask: &Ask<'_>, labelling: &Labelling, picture: &Plane, foo
         let video = footage.video(number).ok_or(RenderError::UnknownVideo(number))?;
         let reel;
         (reel, clip) = match clip {
-            Some((rate, frames)) => (Reel::load(footage, video, frames.len() as f32 / rate, false)?, Some((rate, frames))),
+            Some((rate, frames)) => {
+                (Reel::load(footage, video, frames.len() as f32 / rate, false)?, Some((rate, frames)))
+            }
             None => {
                 let (reel, rate, frames) = first(ask, video, footage, labelling.grid)?;
                 (reel, Some((rate, frames)))
@@ -71,12 +85,23 @@ pub(super) fn compose(ask: &Ask<'_>, labelling: &Labelling, picture: &Plane, foo
     }
     let (rate, frames) = clip.ok_or(RenderError::NoFluid)?;
     (ask.progress)(super::Stage::Detail, count, count);
-    let joined = frames.into_par_iter().map(|pyramid| cropped(&pyramid.join(), picture.width, picture.height));
+    let share = if ask.options.class == Class::Water { BROAD } else { 0.0 };
+    let joined = frames.into_par_iter().map(|pyramid| {
+        let mut frame = cropped(&pyramid.join(), picture.width, picture.height);
+        let broad = blurred(&frame, BREADTH);
+        frame.values.iter_mut().zip(&broad.values).for_each(|(value, broad)| *value -= share * broad);
+        frame
+    });
     Ok(Detail { frames: joined.collect(), rate })
 }
 
 /// The first reel, the clip's rate, and empty frames as many as its loop has.
-fn first(ask: &Ask<'_>, video: &Video, footage: &dyn Footage, grid: Grid) -> Result<(Reel, f32, Vec<Laplacian>), RenderError> {
+fn first(
+    ask: &Ask<'_>,
+    video: &Video,
+    footage: &dyn Footage,
+    grid: Grid,
+) -> Result<(Reel, f32, Vec<Laplacian>), RenderError> {
     let (wanted, free) = ask.options.seconds.map_or((super::SECONDS, true), |seconds| (seconds, false));
     let mut reel = Reel::load(footage, video, wanted, free)?;
     let mut seconds = wanted;
@@ -114,9 +139,13 @@ fn add(mut reel: Reel, laid: &[&Laid], picture: &Plane, frames: &mut [Laplacian]
 /// Adds a patch's pyramid to a frame's.
 fn blend(patch: &Laplacian, ready: &Ready<'_>, frame: &mut Laplacian) {
     let (column, row) = ready.laid.place;
-    for (level, ((patch, frame), weights)) in patch.levels.iter().zip(&mut frame.levels).zip(&ready.laid.weights).enumerate() {
+    for (level, ((patch, frame), weights)) in
+        patch.levels.iter().zip(&mut frame.levels).zip(&ready.laid.weights).enumerate()
+    {
         let stride = STRIDE >> level;
-        for (y, (values, weights)) in patch.values.chunks_exact(patch.width).zip(weights.chunks_exact(patch.width)).enumerate() {
+        for (y, (values, weights)) in
+            patch.values.chunks_exact(patch.width).zip(weights.chunks_exact(patch.width)).enumerate()
+        {
             let out = &mut frame.values[(row * stride + y) * frame.width + column * stride..][..patch.width];
             for ((out, value), weight) in out.iter_mut().zip(values).zip(weights) {
                 *out += value * weight;
@@ -139,7 +168,11 @@ impl<'a> Ready<'a> {
         });
         let theirs = contrasts.iter().sum::<f32>() / contrasts.len() as f32;
         let (mean_of_ours, ours) = under(picture, laid.place);
-        let gain = if is_flat(mean_of_ours, ours) { 1.0 } else { ((ours + CALM) / (theirs + CALM)).clamp(GAINS.0, GAINS.1) };
+        let gain = if is_flat(mean_of_ours, ours) {
+            1.0
+        } else {
+            ((ours + CALM) / (theirs + CALM)).clamp(GAINS.0, GAINS.1)
+        };
         Self { laid, taps, mean, gain }
     }
 

@@ -39,7 +39,8 @@ pub(super) fn settle(picture: &Plane, changes: &mut [Plane]) {
     let [near, far] = [NEAR, FAR].map(|halvings| (blurred(&motion, halvings), blurred(&known, halvings)));
     let steepness = slopes_of(picture);
     let factor = |place: usize| {
-        let usual = |(motion, known): &(Plane, Plane)| (motion.values[place] / known.values[place].max(0.05)).sqrt();
+        let usual =
+            |(motion, known): &(Plane, Plane)| (motion.values[place] / known.values[place].max(0.05)).sqrt();
         let even = ((usual(&far) + 0.5) / (usual(&near) + 0.5)).powf(EVEN).clamp(GAINS.0, GAINS.1);
         let steep = steepness.values[place] / (slopes.values[place].sqrt() + NO_EDGE);
         let edge = ((steep - STEEP.0) / (STEEP.1 - STEEP.0)).clamp(0.0, 1.0);
@@ -47,7 +48,9 @@ pub(super) fn settle(picture: &Plane, changes: &mut [Plane]) {
     };
     let values: Vec<f32> = (0..picture.values.len()).into_par_iter().map(factor).collect();
     let factors = blurred(&Plane { values, ..*picture }, 1);
-    changes.par_iter_mut().for_each(|change| change.values.iter_mut().zip(&factors.values).for_each(|(change, factor)| *change *= factor));
+    changes.par_iter_mut().for_each(|change| {
+        change.values.iter_mut().zip(&factors.values).for_each(|(change, factor)| *change *= factor)
+    });
 }
 
 /// The mean squares of the changes and of their slopes.
@@ -57,7 +60,11 @@ fn measured(changes: &[Plane]) -> (Plane, Plane) {
     let count = changes.len().div_ceil(EVERY) as f32;
     for change in changes.iter().step_by(EVERY) {
         motion.values.iter_mut().zip(&change.values).for_each(|(sum, value)| *sum += value * value / count);
-        slopes.values.iter_mut().zip(&slopes_of(change).values).for_each(|(sum, slope)| *sum += slope * slope / count);
+        slopes
+            .values
+            .iter_mut()
+            .zip(&slopes_of(change).values)
+            .for_each(|(sum, slope)| *sum += slope * slope / count);
     }
     (motion, slopes)
 }
@@ -68,7 +75,8 @@ fn slopes_of(plane: &Plane) -> Plane {
     let mut out = Plane::new(plane.width, plane.height);
     let (right, bottom) = (plane.width - 1, plane.height - 1);
     for (y, row) in out.values.chunks_exact_mut(plane.width).enumerate() {
-        let (above, here, below) = (soft.row(y.saturating_sub(1)), soft.row(y), soft.row((y + 1).min(bottom)));
+        let (above, here, below) =
+            (soft.row(y.saturating_sub(1)), soft.row(y), soft.row((y + 1).min(bottom)));
         for (x, value) in row.iter_mut().enumerate() {
             *value = (here[(x + 1).min(right)] - here[x.saturating_sub(1)]).hypot(below[x] - above[x]) / 2.0;
         }
@@ -85,7 +93,8 @@ mod tests {
     /// Waves whose strength is that of their place.
     fn waves(strength: impl Fn(usize, usize) -> f32) -> Vec<Plane> {
         let frame = |frame: usize| {
-            let value = |i: usize| ((i % SIDE) as f32 * 0.4 + frame as f32).sin() * strength(i % SIDE, i / SIDE);
+            let value =
+                |i: usize| ((i % SIDE) as f32 * 0.4 + frame as f32).sin() * strength(i % SIDE, i / SIDE);
             Plane { width: SIDE, height: SIDE, values: (0..SIDE * SIDE).map(value).collect() }
         };
         (0..20).map(frame).collect()
@@ -97,7 +106,8 @@ mod tests {
 
     #[test]
     fn a_patch_that_boils_is_calmed() {
-        let mut changes = waves(|x, y| if (40..80).contains(&x) && (40..80).contains(&y) { 40.0 } else { 10.0 });
+        let mut changes =
+            waves(|x, y| if (40..80).contains(&x) && (40..80).contains(&y) { 40.0 } else { 10.0 });
         let before = strength(&changes, 60, 60) / strength(&changes, 10, 60);
         settle(&Plane::new(SIDE, SIDE), &mut changes);
         let after = strength(&changes, 60, 60) / strength(&changes, 10, 60);
@@ -106,7 +116,11 @@ mod tests {
 
     #[test]
     fn an_edge_of_the_picture_stays() {
-        let picture = Plane { width: SIDE, height: SIDE, values: (0..SIDE * SIDE).map(|i| if i % SIDE < 64 { 10.0 } else { 240.0 }).collect() };
+        let picture = Plane {
+            width: SIDE,
+            height: SIDE,
+            values: (0..SIDE * SIDE).map(|i| if i % SIDE < 64 { 10.0 } else { 240.0 }).collect(),
+        };
         let mut changes = waves(|_, _| 6.0);
         let before = changes.clone();
         settle(&picture, &mut changes);

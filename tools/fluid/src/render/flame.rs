@@ -45,9 +45,11 @@ impl Flame {
     /// That of a picture at the working size; what is behind is `background`, or is made up. `glows` if it lights its surroundings.
     pub(super) fn new(picture: &RgbImage, matte: &Plane, background: Option<&RgbImage>, glows: bool) -> Self {
         let solid = Plane { values: matte.values.iter().map(|alpha| alpha * alpha).collect(), ..*matte };
-        let open = Plane { values: matte.values.iter().map(|alpha| (1.0 - alpha).powi(4)).collect(), ..*matte };
+        let open =
+            Plane { values: matte.values.iter().map(|alpha| (1.0 - alpha).powi(4)).collect(), ..*matte };
         let channels = channels(picture);
-        let behind = background.map_or_else(|| channels.each_ref().map(|channel| fill(channel, &open)), self::channels);
+        let behind = background
+            .map_or_else(|| channels.each_ref().map(|channel| fill(channel, &open)), self::channels);
         Self {
             fluid: channels.each_ref().map(|channel| fill(channel, &solid)),
             behind,
@@ -62,7 +64,10 @@ impl Flame {
     pub(super) fn luminance(&self) -> Plane {
         let [red, green, blue] = &self.fluid;
         let colours = red.values.iter().zip(&green.values).zip(&blue.values);
-        Plane { values: colours.map(|((&red, &green), &blue)| luminance_of([red, green, blue])).collect(), ..*red }
+        Plane {
+            values: colours.map(|((&red, &green), &blue)| luminance_of([red, green, blue])).collect(),
+            ..*red
+        }
     }
 
     /// Sets it in motion.
@@ -74,7 +79,8 @@ impl Flame {
             for y in (0..change.height).step_by(2) {
                 for x in (0..change.width).step_by(2) {
                     let place = y * change.width + x;
-                    sum += self.outlines.at(index, x, y) * (luminance.values[place] + change.values[place]).clamp(0.0, 255.0);
+                    sum += self.outlines.at(index, x, y)
+                        * (luminance.values[place] + change.values[place]).clamp(0.0, 255.0);
                 }
             }
             sum
@@ -89,12 +95,19 @@ impl Flame {
         let place = y * self.fluid[0].width + x;
         let fluid = self.fluid.each_ref().map(|channel| channel.values[place]);
         let share = self.outlines.at(index, x, y);
-        let light = self.lit.as_ref().map_or(1.0, |lit| 1.0 + LIGHT * lit.values[place] * (self.brightness[index] - 1.0));
+        let light = self
+            .lit
+            .as_ref()
+            .map_or(1.0, |lit| 1.0 + LIGHT * lit.values[place] * (self.brightness[index] - 1.0));
         let own = luminance_of(fluid);
         let behind = [0, 1, 2].map(|channel| self.behind[channel].values[place] * light);
         // A thin flame is a darker one, of a darker flame's colour: mixed like paint it would be grey.
         let bright = (own + change).clamp(0.0, 255.0);
-        let (thin, solid) = if self.glows() { (luminance_of(behind) * (1.0 - share) + bright * share, 1.0 - (1.0 - share).powi(3)) } else { (bright, share) };
+        let (thin, solid) = if self.glows() {
+            (luminance_of(behind) * (1.0 - share) + bright * share, 1.0 - (1.0 - share).powi(3))
+        } else {
+            (bright, share)
+        };
         let (before, after) = (self.palette.at(own), self.palette.at(thin));
         let stays = (-(thin - own).abs() / OWN).exp();
         core::array::from_fn(|channel| {
@@ -121,11 +134,18 @@ impl Flame {
             if share < 0.01 {
                 return [0.0; 3];
             }
-            let shown = (0..changes.len()).step_by(FRAMES_OF_A_MEAN).map(|index| self.colour(index, changes[index].values[at], x, y));
+            let shown = (0..changes.len())
+                .step_by(FRAMES_OF_A_MEAN)
+                .map(|index| self.colour(index, changes[index].values[at], x, y));
             let count = changes.len().div_ceil(FRAMES_OF_A_MEAN) as f32;
-            let sum = shown.fold([0.0; 3], |sum: [f32; 3], colour| core::array::from_fn(|channel| sum[channel] + colour[channel]));
+            let sum = shown.fold([0.0; 3], |sum: [f32; 3], colour| {
+                core::array::from_fn(|channel| sum[channel] + colour[channel])
+            });
             let mut out = [0.0; 3];
-            levels.zip(sum).zip(&mut out).for_each(|((level, sum), out)| *out = share * (sum / count - level));
+            levels
+                .zip(sum)
+                .zip(&mut out)
+                .for_each(|((level, sum), out)| *out = share * (sum / count - level));
             out
         };
         let added: Vec<[f32; 3]> = (0..pixels).into_par_iter().map(settled).collect();
@@ -144,7 +164,11 @@ impl Flame {
 fn add(picture: &mut RgbImage, added: &[[f32; 3]], columns: usize) {
     let (width, height) = picture.dimensions();
     let rows = added.len() / columns;
-    let channels = [0, 1, 2].map(|channel| Plane { width: columns, height: rows, values: added.iter().map(|colour| colour[channel]).collect() });
+    let channels = [0, 1, 2].map(|channel| Plane {
+        width: columns,
+        height: rows,
+        values: added.iter().map(|colour| colour[channel]).collect(),
+    });
     let (right, down) = (columns as f32 / width as f32, rows as f32 / height as f32);
     let rows = picture.as_mut().par_chunks_exact_mut(3 * width as usize).enumerate();
     rows.for_each(|(y, row)| {

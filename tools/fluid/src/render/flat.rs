@@ -25,12 +25,14 @@ pub(super) fn continued(labelling: &Labelling, picture: &Plane, footage: &dyn Fo
         let (mean, deviation) = under(picture, (index % grid.columns, index / grid.columns));
         is_flat(mean, deviation)
     };
-    let mut open: Vec<usize> = (0..out.patches.len()).filter(|&index| out.patches[index].is_some() && flat(index)).collect();
+    let mut open: Vec<usize> =
+        (0..out.patches.len()).filter(|&index| out.patches[index].is_some() && flat(index)).collect();
     while !open.is_empty() {
         let found = open.iter().filter_map(|&index| {
             let place = (index % grid.columns, index / grid.columns);
             let near = neighbours(grid, place).filter(|(_, other)| !open.contains(other));
-            let patch = near.filter_map(|(offset, other)| shifted(out.patches[other]?, offset, footage)).next()?;
+            let patch =
+                near.filter_map(|(offset, other)| shifted(out.patches[other]?, offset, footage)).next()?;
             Some((index, patch))
         });
         let found: Vec<_> = found.collect();
@@ -52,10 +54,12 @@ fn shifted(patch: PatchRef, (right, down): (i32, i32), footage: &dyn Footage) ->
     let (x, y) = (beside(patch.x, right)?, beside(patch.y, down)?);
     let [[a, b], [c, d]] = patch.version.to_video();
     let half = SIDE as f32 / 2.0;
-    let inside = [(-half, -half), (half, -half), (-half, half), (half, half)].into_iter().all(|(across, along)| {
-        let (x, y) = (f32::from(x) + across, f32::from(y) + along);
-        (a * x + b * y).abs() <= video.width as f32 / 2.0 && (c * x + d * y).abs() <= video.height as f32 / 2.0
-    });
+    let inside =
+        [(-half, -half), (half, -half), (-half, half), (half, half)].into_iter().all(|(across, along)| {
+            let (x, y) = (f32::from(x) + across, f32::from(y) + along);
+            (a * x + b * y).abs() <= video.width as f32 / 2.0
+                && (c * x + d * y).abs() <= video.height as f32 / 2.0
+        });
     inside.then_some(PatchRef { x, y, ..patch })
 }
 
@@ -88,7 +92,10 @@ mod tests {
     fn an_over_exposed_patch_goes_on_with_its_neighbour() {
         let version = Version::all().next().expect("there is a first version");
         let patch = |x| Some(PatchRef { video: 1, version, x, y: 0 });
-        let labelling = Labelling { grid: Grid { columns: 4, rows: 1 }, patches: vec![patch(-20), patch(-3), patch(7), patch(5)] };
+        let labelling = Labelling {
+            grid: Grid { columns: 4, rows: 1 },
+            patches: vec![patch(-20), patch(-3), patch(7), patch(5)],
+        };
         // White from the second patch on: the last two see nothing else; the second still sees something.
         let values = (0..120 * 48).map(|i| if i % 120 < 30 { (i % 7 * 9) as f32 } else { 255.0 }).collect();
         let picture = Plane { width: 120, height: 48, values };

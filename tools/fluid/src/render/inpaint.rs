@@ -38,8 +38,16 @@ mod tests {
     fn a_hole_takes_what_is_around_it_and_the_rest_stays() {
         let (width, height) = (37, 23);
         let hole = |i: usize| (10..25).contains(&(i % width)) && (5..15).contains(&(i / width));
-        let channel = Plane { width, height, values: (0..width * height).map(|i| if hole(i) { 255.0 } else { 40.0 }).collect() };
-        let known = Plane { width, height, values: (0..width * height).map(|i| if hole(i) { 0.0 } else { 1.0 }).collect() };
+        let channel = Plane {
+            width,
+            height,
+            values: (0..width * height).map(|i| if hole(i) { 255.0 } else { 40.0 }).collect(),
+        };
+        let known = Plane {
+            width,
+            height,
+            values: (0..width * height).map(|i| if hole(i) { 0.0 } else { 1.0 }).collect(),
+        };
         assert!(fill(&channel, &known).values.iter().all(|value| (value - 40.0).abs() < 0.5));
     }
 
@@ -47,8 +55,16 @@ mod tests {
     fn a_slope_goes_on_across_a_hole() {
         let width = 64;
         let channel = Plane { width, height: 8, values: (0..512).map(|i| (i % width) as f32).collect() };
-        let known = Plane { width, height: 8, values: (0..512).map(|i| if (24..40).contains(&(i % width)) { 0.0 } else { 1.0 }).collect() };
+        let known = Plane {
+            width,
+            height: 8,
+            values: (0..512).map(|i| if (24..40).contains(&(i % width)) { 0.0 } else { 1.0 }).collect(),
+        };
         let filled = fill(&channel, &known);
-        assert!(filled.row(4).windows(2).all(|pair| pair[1] - pair[0] > -0.5 && pair[1] - pair[0] < 4.0), "{:?}", filled.row(4));
+        assert!(
+            filled.row(4).windows(2).all(|pair| pair[1] - pair[0] > -0.5 && pair[1] - pair[0] < 4.0),
+            "{:?}",
+            filled.row(4)
+        );
     }
 }

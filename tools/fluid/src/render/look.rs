@@ -116,9 +116,11 @@ impl Curves {
             let (x, y) = (index % columns * cell, index / columns * cell);
             let across = x.saturating_sub(cell)..(x + cell).min(theirs.width);
             let places = (y.saturating_sub(cell)..(y + cell).min(theirs.height)).step_by(every);
-            let places = places.flat_map(|y| across.clone().step_by(every).map(move |x| y * theirs.width + x));
+            let places =
+                places.flat_map(|y| across.clone().step_by(every).map(move |x| y * theirs.width + x));
             let places: Vec<_> = places.filter(|&place| matte.values[place] > 0.5).collect();
-            let mut from: Vec<_> = ours.iter().flat_map(|plane| places.iter().map(|&place| plane.values[place])).collect();
+            let mut from: Vec<_> =
+                ours.iter().flat_map(|plane| places.iter().map(|&place| plane.values[place])).collect();
             let mut to: Vec<_> = places.iter().map(|&place| theirs.values[place]).collect();
             Curve::matching(&mut from, &mut to)
         };
@@ -167,14 +169,22 @@ impl Look {
         });
         let mattes: Vec<_> = mattes.collect();
         let theirs = Laplacian::of(picture, LEVELS);
-        let shown: Vec<_> = changes.par_iter().step_by(every).map(|change| Laplacian::of(&sum(picture, change), LEVELS)).collect();
+        let shown: Vec<_> = changes
+            .par_iter()
+            .step_by(every)
+            .map(|change| Laplacian::of(&sum(picture, change), LEVELS))
+            .collect();
         let bands = (0..LEVELS - 1).map(|level| {
             let ours: Vec<_> = shown.iter().map(|pyramid| &pyramid.levels[level]).collect();
             Curves::learn(&ours, &theirs.levels[level], &mattes[level], CELL >> level)
         });
         let bands: Vec<_> = bands.collect();
         let joined = |mut pyramid: Laplacian| {
-            bands.iter().zip(&mut pyramid.levels).zip(&mattes).for_each(|((curves, band), matte)| curves.map(band, matte));
+            bands
+                .iter()
+                .zip(&mut pyramid.levels)
+                .zip(&mattes)
+                .for_each(|((curves, band), matte)| curves.map(band, matte));
             pyramid.join()
         };
         let shown: Vec<_> = shown.into_par_iter().map(joined).collect();
@@ -185,10 +195,16 @@ impl Look {
     /// A change made so that picture and change together look like the picture.
     pub(super) fn give(&self, picture: &Plane, change: &mut Plane) {
         let mut pyramid = Laplacian::of(&sum(picture, change), LEVELS);
-        self.bands.iter().zip(&mut pyramid.levels).zip(&self.mattes).for_each(|((curves, band), matte)| curves.map(band, matte));
+        self.bands
+            .iter()
+            .zip(&mut pyramid.levels)
+            .zip(&self.mattes)
+            .for_each(|((curves, band), matte)| curves.map(band, matte));
         let mut shown = pyramid.join();
         self.pixels.map(&mut shown, &self.mattes[0]);
-        for (change, (shown, picture)) in change.values.iter_mut().zip(shown.values.iter().zip(&picture.values)) {
+        for (change, (shown, picture)) in
+            change.values.iter_mut().zip(shown.values.iter().zip(&picture.values))
+        {
             *change = shown - picture;
         }
     }

@@ -74,7 +74,7 @@ impl Options {
     pub fn new(class: Class) -> Self {
         let tau = match class {
             Class::Water => 0.0,
-            Class::Fire => 0.85,
+            Class::Fire => 0.78,
             Class::Smoke => 0.9,
         };
         Self { class, seconds: None, rate: None, tau, look: true, background: None }
@@ -121,11 +121,20 @@ pub enum RenderError {
 impl fmt::Display for RenderError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::UnknownVideo(number) => write!(f, "the database has no video {number}: label the picture again"),
+            Self::UnknownVideo(number) => {
+                write!(f, "the database has no video {number}: label the picture again")
+            }
             Self::EmptyVideo(name) => write!(f, "{name}: the database has no frames of it: index it again"),
-            Self::Frame(name, index, error) => write!(f, "{name}: frame {index}: {error}; see what `check` says of the database"),
-            Self::NoFluid => write!(f, "no part of the picture is a fluid that the database knows: give another matte or class"),
-            Self::Matte => write!(f, "the matte has another shape than the picture: give one of the same size"),
+            Self::Frame(name, index, error) => {
+                write!(f, "{name}: frame {index}: {error}; see what `check` says of the database")
+            }
+            Self::NoFluid => write!(
+                f,
+                "no part of the picture is a fluid that the database knows: give another matte or class"
+            ),
+            Self::Matte => {
+                write!(f, "the matte has another shape than the picture: give one of the same size")
+            }
         }
     }
 }
@@ -147,7 +156,7 @@ pub struct Animation {
 
 /// How a change of luminance becomes one of colour.
 enum Paint {
-    Luma(Tint),
+    Luma(Box<Tint>),
     Colour(Box<Flame>),
 }
 
@@ -178,16 +187,33 @@ pub fn animate(
         match_look(&ask, &luminance, matte, &mut detail.frames);
         let tint = Palette::of(&small, matte).tint();
         let matte = matte.values.iter().map(|alpha| (alpha * 255.0).round() as u8).collect();
-        return Ok(Animation { base, small, matte, changes: detail.frames, rate: detail.rate, paint: Paint::Luma(tint) });
+        return Ok(Animation {
+            base,
+            small,
+            matte,
+            changes: detail.frames,
+            rate: detail.rate,
+            paint: Paint::Luma(Box::new(tint)),
+        });
     }
-    let background = options.background.as_ref().map(|background| resize(background, small.width(), small.height(), FilterType::Triangle));
+    let background = options
+        .background
+        .as_ref()
+        .map(|background| resize(background, small.width(), small.height(), FilterType::Triangle));
     let mut flame = Flame::new(&small, matte, background.as_ref(), options.class == Class::Fire);
     match_look(&ask, &flame.luminance(), matte, &mut detail.frames);
     progress(Stage::Outline, 0, 1);
     flame.move_with(matte, &detail.frames, options.tau);
     progress(Stage::Outline, 1, 1);
     let matte = flame.settle(&mut base, &mut small, &detail.frames);
-    Ok(Animation { base, small, matte, changes: detail.frames, rate: detail.rate, paint: Paint::Colour(Box::new(flame)) })
+    Ok(Animation {
+        base,
+        small,
+        matte,
+        changes: detail.frames,
+        rate: detail.rate,
+        paint: Paint::Colour(Box::new(flame)),
+    })
 }
 
 fn check(picture: &RgbImage, matte: &Plane) -> Result<(), RenderError> {
@@ -236,7 +262,9 @@ impl Animation {
                 let (x, y) = (place % self.small.width() as usize, place / self.small.width() as usize);
                 let colour = flame.colour(index, change, x, y);
                 let base = self.small.get_pixel(x as u32, y as u32).0;
-                (0..3).for_each(|channel| out[channel * pixels + place] = colour[channel] - f32::from(base[channel]));
+                (0..3).for_each(|channel| {
+                    out[channel * pixels + place] = colour[channel] - f32::from(base[channel])
+                });
             }
         }
         out
@@ -251,10 +279,13 @@ impl Animation {
             let luma = colour::luminance_of(pixel.0.map(f32::from)).round() as usize;
             for channel in 0..3 {
                 let change = match &self.paint {
-                    Paint::Luma(tint) => change[place] * f32::from(tint.0[luma][channel]) / f32::from(Tint::ONE),
+                    Paint::Luma(tint) => {
+                        change[place] * f32::from(tint.0[luma][channel]) / f32::from(Tint::ONE)
+                    }
                     Paint::Colour(_) => change[channel * self.matte.len() + place],
                 };
-                pixel.0[channel] = (f32::from(pixel.0[channel]) + share * change).round().clamp(0.0, 255.0) as u8;
+                pixel.0[channel] =
+                    (f32::from(pixel.0[channel]) + share * change).round().clamp(0.0, 255.0) as u8;
             }
         }
         out

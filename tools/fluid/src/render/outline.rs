@@ -20,7 +20,8 @@ impl Outlines {
         let small = half(matte);
         let shown: Vec<_> = changes.par_iter().map(|change| half_levels(picture, change)).collect();
         let flow = |index: usize| {
-            let flow = Flow::between(&shown[index], &shown[(index + 1) % shown.len()], small.width, small.height);
+            let flow =
+                Flow::between(&shown[index], &shown[(index + 1) % shown.len()], small.width, small.height);
             spread(&flow, &small)
         };
         let flows: Vec<_> = (0..shown.len()).into_par_iter().map(flow).collect();
@@ -48,7 +49,10 @@ impl Outlines {
             let mut frames = self.0.iter();
             let mut out = frames.next().cloned().unwrap_or_else(|| Plane::new(1, 1));
             for frame in frames {
-                out.values.iter_mut().zip(&frame.values).for_each(|(out, value)| *out = extreme(*out, *value));
+                out.values
+                    .iter_mut()
+                    .zip(&frame.values)
+                    .for_each(|(out, value)| *out = extreme(*out, *value));
             }
             out
         })
@@ -62,8 +66,13 @@ fn half(plane: &Plane) -> Plane {
 }
 
 fn half_levels(picture: &Plane, change: &Plane) -> Vec<u8> {
-    let values = picture.values.iter().zip(&change.values).map(|(picture, change)| picture + change).collect();
-    half(&Plane { values, ..*picture }).values.into_iter().map(|value| value.round().clamp(0.0, 255.0) as u8).collect()
+    let values =
+        picture.values.iter().zip(&change.values).map(|(picture, change)| picture + change).collect();
+    half(&Plane { values, ..*picture })
+        .values
+        .into_iter()
+        .map(|value| value.round().clamp(0.0, 255.0) as u8)
+        .collect()
 }
 
 /// The flow as two planes on its grid, continued beyond the matte.
@@ -93,7 +102,8 @@ fn moved(outline: &Plane, [right, down]: &[Plane; 2], matte: &Plane, tau: f32) -
 
 /// The outline with its level shifted where it is neither in nor out, until it covers `area` pixels.
 fn of_area(mut outline: Plane, area: f32) -> Plane {
-    let covered = |outline: &Plane, shift: f32| outline.values.iter().map(|value| shifted(*value, shift)).sum::<f32>();
+    let covered =
+        |outline: &Plane, shift: f32| outline.values.iter().map(|value| shifted(*value, shift)).sum::<f32>();
     let (mut low, mut high) = (-0.5_f32, 0.5_f32);
     for _ in 0..10 {
         let middle = (low + high) / 2.0;
@@ -121,10 +131,15 @@ mod tests {
     #[test]
     fn an_outline_moves_with_the_fluid_and_keeps_its_area() {
         let matte = disc();
-        let still = [Plane { values: vec![0.0; 256], width: 16, height: 16 }, Plane { values: vec![-2.0; 256], width: 16, height: 16 }];
+        let still = [
+            Plane { values: vec![0.0; 256], width: 16, height: 16 },
+            Plane { values: vec![-2.0; 256], width: 16, height: 16 },
+        ];
         let area: f32 = matte.values.iter().sum();
         let next = of_area(moved(&matte, &still, &matte, 0.9), area);
-        let centre = |plane: &Plane| plane.values.iter().enumerate().map(|(i, value)| (i / 64) as f32 * value).sum::<f32>() / area;
+        let centre = |plane: &Plane| {
+            plane.values.iter().enumerate().map(|(i, value)| (i / 64) as f32 * value).sum::<f32>() / area
+        };
         assert!(centre(&next) < centre(&matte) - 1.0, "{} is not above {}", centre(&next), centre(&matte));
         assert!((next.values.iter().sum::<f32>() / area - 1.0).abs() < 0.02);
     }

@@ -44,7 +44,8 @@ pub(super) fn plan(labelling: &Labelling) -> Vec<Laid> {
     let laid = labelling.patches.iter().enumerate().filter_map(|(index, patch)| {
         let patch = (*patch)?;
         let place = (index % grid.columns, index / grid.columns);
-        let near: Vec<_> = neighbours(grid, place).filter(|&(_, other)| labelling.patches[other].is_some()).collect();
+        let near: Vec<_> =
+            neighbours(grid, place).filter(|&(_, other)| labelling.patches[other].is_some()).collect();
         let alike = near.iter().filter(|&&(_, other)| sames.root(other) == sames.root(index)).count();
         let weights = core::array::from_fn(|level| weights(&profiles[level], level, index, &near, &sames));
         // Multiples of the golden ratio spread evenly, however many there are.
@@ -64,9 +65,17 @@ fn profile(fade: f32) -> [f32; SIDE] {
 }
 
 /// The weights of patch `index` on a level. The sum of changes that know nothing of each other varies by the root of the sum of squares.
-fn weights(profile: &[f32; SIDE], level: usize, index: usize, near: &[((i32, i32), usize)], sames: &Sets) -> Vec<f32> {
+fn weights(
+    profile: &[f32; SIDE],
+    level: usize,
+    index: usize,
+    near: &[((i32, i32), usize)],
+    sames: &Sets,
+) -> Vec<f32> {
     let side = SIDE >> level;
-    let at = |position: i32| usize::try_from(position).ok().and_then(|position| profile.get(position)).copied().unwrap_or(0.0);
+    let at = |position: i32| {
+        usize::try_from(position).ok().and_then(|position| profile.get(position)).copied().unwrap_or(0.0)
+    };
     let own = sames.root(index);
     let weight = |i: usize| {
         let (x, y) = (((i % side) << level) as i32, ((i / side) << level) as i32);
@@ -89,8 +98,12 @@ fn weights(profile: &[f32; SIDE], level: usize, index: usize, near: &[((i32, i32
 }
 
 /// The up to eight neighbours of a place: how far to the right and down, and their index.
-pub(super) fn neighbours(grid: Grid, (column, row): (usize, usize)) -> impl Iterator<Item = ((i32, i32), usize)> {
-    let around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down))).filter(|&offset| offset != (0, 0));
+pub(super) fn neighbours(
+    grid: Grid,
+    (column, row): (usize, usize),
+) -> impl Iterator<Item = ((i32, i32), usize)> {
+    let around =
+        (-1..=1).flat_map(|down| (-1..=1).map(move |right| (right, down))).filter(|&offset| offset != (0, 0));
     around.filter_map(move |(right, down)| {
         let column = column.checked_add_signed(right as isize).filter(|&column| column < grid.columns)?;
         let row = row.checked_add_signed(down as isize).filter(|&row| row < grid.rows)?;
@@ -138,7 +151,10 @@ mod tests {
 
     fn labelling(columns: usize, patches: &[Option<(u32, i16, i16)>]) -> Labelling {
         let version = Version::all().next().expect("there is a first version");
-        let patches = patches.iter().map(|patch| patch.map(|(video, x, y)| PatchRef { video, version, x, y })).collect::<Vec<_>>();
+        let patches = patches
+            .iter()
+            .map(|patch| patch.map(|(video, x, y)| PatchRef { video, version, x, y }))
+            .collect::<Vec<_>>();
         Labelling { grid: Grid { columns, rows: patches.len() / columns }, patches }
     }
 
@@ -148,12 +164,15 @@ mod tests {
             let (x, y) = (x.checked_sub(laid.place.0 * STRIDE)?, y.checked_sub(laid.place.1 * STRIDE)?);
             (x < SIDE && y < SIDE).then(|| laid.weights[0][y * SIDE + x])
         };
-        laid.iter().filter_map(inside).fold((0.0, 0.0), |(sum, squares), weight| (sum + weight, squares + weight * weight))
+        laid.iter()
+            .filter_map(inside)
+            .fold((0.0, 0.0), |(sum, squares), weight| (sum + weight, squares + weight * weight))
     }
 
     #[test]
     fn neighbours_that_continue_each_other_are_shown_as_they_are() {
-        let laid = plan(&labelling(2, &[Some((1, 0, 0)), Some((1, 24, 0)), Some((1, 0, 24)), Some((1, 24, 24))]));
+        let laid =
+            plan(&labelling(2, &[Some((1, 0, 0)), Some((1, 24, 0)), Some((1, 0, 24)), Some((1, 24, 24))]));
         assert!(laid.iter().all(|one| one.start == laid[0].start && one.company == 1.0));
         for (x, y) in [(30, 30), (36, 33), (36, 36)] {
             assert!((sums(&laid, x, y).0 - 1.0).abs() < 1e-4, "at {x}, {y}");
@@ -162,7 +181,8 @@ mod tests {
 
     #[test]
     fn strangers_keep_the_contrast_of_one() {
-        let laid = plan(&labelling(2, &[Some((1, 0, 0)), Some((2, 24, 0)), Some((3, 0, 24)), Some((4, 24, 24))]));
+        let laid =
+            plan(&labelling(2, &[Some((1, 0, 0)), Some((2, 24, 0)), Some((3, 0, 24)), Some((4, 24, 24))]));
         for (x, y) in [(30, 30), (36, 33), (36, 36)] {
             assert!((sums(&laid, x, y).1 - 1.0).abs() < 1e-4, "at {x}, {y}");
         }

@@ -36,7 +36,8 @@ pub(super) fn expand_onto(coarse: &Plane, fine: &mut Plane, factor: f32) {
     let mut wide = vec![0.0; coarse.width + 2];
     for y in 0..fine.height {
         let middle = y / 2;
-        let (above, here, below) = (coarse.row(middle.saturating_sub(1)), coarse.row(middle), coarse.row((middle + 1).min(last)));
+        let (above, here, below) =
+            (coarse.row(middle.saturating_sub(1)), coarse.row(middle), coarse.row((middle + 1).min(last)));
         let inner = &mut wide[1..=coarse.width];
         if y % 2 == 0 {
             for (x, value) in inner.iter_mut().enumerate() {
@@ -61,7 +62,8 @@ pub(super) fn expand_onto(coarse: &Plane, fine: &mut Plane, factor: f32) {
 
 /// The sizes of `levels` levels, the finest first.
 pub(super) fn sizes(width: usize, height: usize, levels: usize) -> impl Iterator<Item = (usize, usize)> {
-    std::iter::successors(Some((width, height)), |&(width, height)| Some((halved(width), halved(height)))).take(levels)
+    std::iter::successors(Some((width, height)), |&(width, height)| Some((halved(width), halved(height))))
+        .take(levels)
 }
 
 /// A plane blurred by going so many levels down and up again: by a standard deviation of about 2^levels pixels.
@@ -86,7 +88,9 @@ pub(super) struct Laplacian {
 impl Laplacian {
     /// Zeros.
     pub(super) fn new(width: usize, height: usize, levels: usize) -> Self {
-        Self { levels: sizes(width, height, levels).map(|(width, height)| Plane::new(width, height)).collect() }
+        Self {
+            levels: sizes(width, height, levels).map(|(width, height)| Plane::new(width, height)).collect(),
+        }
     }
 
     /// Splits level 0, which holds the picture, into the levels.

@@ -1,8 +1,8 @@
 //! The frames of one video in memory, as luminance, and its loop.
 
+use super::RenderError;
 use super::colour::luminance_of;
 use super::seam::{self, Loop, Term};
-use super::RenderError;
 use crate::footage::{Footage, Video};
 use crate::patch::{PatchRef, SIDE, Version};
 use crate::plane::Plane;
@@ -35,7 +35,12 @@ struct Tap {
 
 impl Reel {
     /// Reads as many frames as a clip of `seconds` needs; `free` is as in [`Loop::find`].
-    pub(super) fn load(footage: &dyn Footage, video: &Video, seconds: f32, free: bool) -> Result<Self, RenderError> {
+    pub(super) fn load(
+        footage: &dyn Footage,
+        video: &Video,
+        seconds: f32,
+        free: bool,
+    ) -> Result<Self, RenderError> {
         let wanted = seconds * video.rate;
         let count = video.frames.min(seam::frames_to_read(wanted)) as usize;
         let (width, height) = (video.width as usize, video.height as usize);
@@ -43,14 +48,21 @@ impl Reel {
             return Err(RenderError::EmptyVideo(video.name.clone()));
         }
         let shots = (0..count as u32).into_par_iter().map(|index| {
-            let frame = footage.frame(video.number, index).map_err(|error| RenderError::Frame(video.name.clone(), index, error))?;
+            let frame = footage
+                .frame(video.number, index)
+                .map_err(|error| RenderError::Frame(video.name.clone(), index, error))?;
             if frame.dimensions() != (video.width, video.height) {
-                return Err(RenderError::Frame(video.name.clone(), index, std::io::Error::other("the frame has another size")));
+                return Err(RenderError::Frame(
+                    video.name.clone(),
+                    index,
+                    std::io::Error::other("the frame has another size"),
+                ));
             }
             Ok(Shot(frame.pixels().map(|pixel| luminance_of(pixel.0.map(f32::from)).round() as u8).collect()))
         });
         let shots = shots.collect::<Result<Vec<_>, _>>()?;
-        let mut reel = Self { width, height, mean: mean_of(&shots, width, height), shots, round: Loop::default() };
+        let mut reel =
+            Self { width, height, mean: mean_of(&shots, width, height), shots, round: Loop::default() };
         reel.round = Loop::find(&reel.small_changes(), wanted, free);
         Ok(reel)
     }
@@ -103,7 +115,10 @@ impl Reel {
         let middle = (SIDE as f32 - 1.0) / 2.0;
         let (right, bottom) = ((self.width - 1) as f32, (self.height - 1) as f32);
         let tap = |i: usize| {
-            let (across, along) = ((i % SIDE) as f32 - middle + f32::from(patch.x), (i / SIDE) as f32 - middle + f32::from(patch.y));
+            let (across, along) = (
+                (i % SIDE) as f32 - middle + f32::from(patch.x),
+                (i / SIDE) as f32 - middle + f32::from(patch.y),
+            );
             let x = (a * across + b * along + right / 2.0).clamp(0.0, right - 0.01);
             let y = (c * across + d * along + bottom / 2.0).clamp(0.0, bottom - 0.01);
             let index = y as u32 * self.width as u32 + x as u32;
@@ -115,8 +130,11 @@ impl Reel {
     /// The patch's mean over time.
     pub(super) fn mean(&self, taps: &Taps) -> Vec<f32> {
         let at = |tap: &Tap| {
-            let (index, right, down) = (tap.index as usize, f32::from(tap.right) / 256.0, f32::from(tap.down) / 256.0);
-            let row = |index: usize| self.mean.values[index] + (self.mean.values[index + 1] - self.mean.values[index]) * right;
+            let (index, right, down) =
+                (tap.index as usize, f32::from(tap.right) / 256.0, f32::from(tap.down) / 256.0);
+            let row = |index: usize| {
+                self.mean.values[index] + (self.mean.values[index + 1] - self.mean.values[index]) * right
+            };
             row(index) + (row(index + self.width) - row(index)) * down
         };
         taps.0.iter().map(at).collect()
@@ -129,7 +147,8 @@ impl Reel {
         for (out, tap) in out.iter_mut().zip(&taps.0) {
             let index = tap.index as usize;
             let (right, down) = (u32::from(tap.right), u32::from(tap.down));
-            let row = |index: usize| u32::from(shot[index]) * (256 - right) + u32::from(shot[index + 1]) * right;
+            let row =
+                |index: usize| u32::from(shot[index]) * (256 - right) + u32::from(shot[index + 1]) * right;
             *out += (row(index) * (256 - down) + row(index + self.width) * down) as f32 * weight;
         }
     }

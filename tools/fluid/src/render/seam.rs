@@ -65,12 +65,19 @@ impl Loop {
                 let cost = distance(a, b) * (1.0 + (length as f32 / ideal - 1.0).abs());
                 if best.as_ref().is_none_or(|(least, _)| cost < *least) {
                     let alike = correlation(a, b).max(0.0);
-                    best = Some((cost, Self { start, length, fade, rounds: rounds as usize, alike, steady: 1.0, last }));
+                    best = Some((
+                        cost,
+                        Self { start, length, fade, rounds: rounds as usize, alike, steady: 1.0, last },
+                    ));
                 }
             }
         }
-        let mut found = best.map_or(Self { start: 0, length: last, fade: 0, rounds: 1, alike: 1.0, steady: 1.0, last }, |(_, found)| found);
-        found.steady = frames.windows(2).map(|pair| correlation(&pair[0], &pair[1])).sum::<f32>() / last as f32;
+        let mut found = best.map_or(
+            Self { start: 0, length: last, fade: 0, rounds: 1, alike: 1.0, steady: 1.0, last },
+            |(_, found)| found,
+        );
+        found.steady =
+            frames.windows(2).map(|pair| correlation(&pair[0], &pair[1])).sum::<f32>() / last as f32;
         found
     }
 
@@ -98,7 +105,8 @@ impl Loop {
             let frame = place.max(0.0) as usize;
             let part = (place - frame as f32).clamp(0.0, 1.0);
             let between = of_one_frame([1.0 - part, part], steady);
-            let terms = [(frame.min(last), weight * between[0]), ((frame + 1).min(last), weight * between[1])];
+            let terms =
+                [(frame.min(last), weight * between[0]), ((frame + 1).min(last), weight * between[1])];
             terms.into_iter().filter(|&(_, weight)| weight > 1e-3)
         })
     }
@@ -129,7 +137,13 @@ mod tests {
     /// A wave that runs to the right, eleven frames a period.
     fn wave(frames: usize) -> Vec<Plane> {
         let phase = |frame: usize, x: usize| (x as f32 / 4.0 - frame as f32 / 11.0) * core::f32::consts::TAU;
-        (0..frames).map(|frame| Plane { width: 16, height: 1, values: (0..16).map(|x| phase(frame, x).sin()).collect() }).collect()
+        (0..frames)
+            .map(|frame| Plane {
+                width: 16,
+                height: 1,
+                values: (0..16).map(|x| phase(frame, x).sin()).collect(),
+            })
+            .collect()
     }
 
     fn shown(frames: &[Plane], found: &Loop, moment: f32) -> Vec<f32> {
@@ -154,7 +168,10 @@ mod tests {
         let found = Loop::find(&frames, 44.0, true);
         let steps = found.length();
         for step in 0..steps {
-            let (a, b) = (shown(&frames, &found, step as f32 / steps as f32), shown(&frames, &found, (step + 1) as f32 / steps as f32));
+            let (a, b) = (
+                shown(&frames, &found, step as f32 / steps as f32),
+                shown(&frames, &found, (step + 1) as f32 / steps as f32),
+            );
             let jump = a.iter().zip(&b).map(|(a, b)| (a - b).powi(2)).sum::<f32>();
             assert!(jump < 4.0, "frame {step} of {found:?} jumps by {jump}");
             let power = a.iter().map(|a| a * a).sum::<f32>();
@@ -174,8 +191,14 @@ mod tests {
         for count in 1..40 {
             for wanted in [1.0, 7.5, 24.0, 90.0] {
                 let found = Loop::find(&wave(count), wanted, false);
-                let top = (0..1000).flat_map(|moment| found.at(moment as f32 / 1000.0)).map(|(frame, _)| frame).max();
-                assert!(top.is_some_and(|top| top < count), "{count} frames for {wanted}: {found:?} asks for {top:?}");
+                let top = (0..1000)
+                    .flat_map(|moment| found.at(moment as f32 / 1000.0))
+                    .map(|(frame, _)| frame)
+                    .max();
+                assert!(
+                    top.is_some_and(|top| top < count),
+                    "{count} frames for {wanted}: {found:?} asks for {top:?}"
+                );
             }
         }
     }

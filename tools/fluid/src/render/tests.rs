@@ -12,7 +12,15 @@ pub(super) struct Waves(pub(super) Video);
 
 impl Waves {
     pub(super) fn new(frames: u32) -> Self {
-        Self(Video { number: 1, name: "waves".into(), class: Class::Water, width: 96, height: 96, frames, rate: 25.0 })
+        Self(Video {
+            number: 1,
+            name: "waves".into(),
+            class: Class::Water,
+            width: 96,
+            height: 96,
+            frames,
+            rate: 25.0,
+        })
     }
 }
 
@@ -44,28 +52,41 @@ const HEIGHT: usize = 96;
 fn labelling() -> Labelling {
     let grid = Grid { columns: 4, rows: 3 };
     let version = Version::all().next().expect("there is a first version");
-    let patch = |index: usize| PatchRef { video: 1, version, x: (index % 2 * 24) as i16 - 12, y: (index / 4 * 24) as i16 - 24 };
+    let patch = |index: usize| PatchRef {
+        video: 1,
+        version,
+        x: (index % 2 * 24) as i16 - 12,
+        y: (index / 4 * 24) as i16 - 24,
+    };
     Labelling { grid, patches: (0..12).map(|index| Some(patch(index))).collect() }
 }
 
 fn picture() -> RgbImage {
     let level = |x: u32, y: u32| 100.0 + 40.0 * (x as f32 / 9.0).sin() * (y as f32 / 14.0).cos();
-    RgbImage::from_fn(WIDTH as u32, HEIGHT as u32, |x, y| Rgb([level(x, y) as u8, (level(x, y) * 0.6) as u8, 20]))
+    RgbImage::from_fn(WIDTH as u32, HEIGHT as u32, |x, y| {
+        Rgb([level(x, y) as u8, (level(x, y) * 0.6) as u8, 20])
+    })
 }
 
 /// Fluid in the middle.
 fn matte() -> Plane {
     let inside = |x: usize, y: usize| f32::from(u8::from((20..100).contains(&x) && (20..76).contains(&y)));
-    Plane { width: WIDTH, height: HEIGHT, values: (0..WIDTH * HEIGHT).map(|i| inside(i % WIDTH, i / WIDTH)).collect() }
+    Plane {
+        width: WIDTH,
+        height: HEIGHT,
+        values: (0..WIDTH * HEIGHT).map(|i| inside(i % WIDTH, i / WIDTH)).collect(),
+    }
 }
 
 fn animated(class: Class, frames: u32) -> Animation {
-    animate(&picture(), &matte(), &labelling(), &Waves::new(frames), &Options::new(class), &|_, _, _| ()).expect("it can be animated")
+    animate(&picture(), &matte(), &labelling(), &Waves::new(frames), &Options::new(class), &|_, _, _| ())
+        .expect("it can be animated")
 }
 
 /// The root of the mean squared difference of two frames.
 fn step(a: &RgbImage, b: &RgbImage) -> f64 {
-    let sum: f64 = a.as_raw().iter().zip(b.as_raw()).map(|(&a, &b)| (f64::from(a) - f64::from(b)).powi(2)).sum();
+    let sum: f64 =
+        a.as_raw().iter().zip(b.as_raw()).map(|(&a, &b)| (f64::from(a) - f64::from(b)).powi(2)).sum();
     (sum / a.as_raw().len() as f64).sqrt()
 }
 
@@ -74,7 +95,10 @@ fn water_moves_and_the_rest_stays() {
     let animation = animated(Class::Water, 80);
     let (first, later) = (animation.frame(0), animation.frame(5));
     let inside = |x: u32, y: u32| matte().row(y as usize)[x as usize] > 0.0;
-    let changed = first.enumerate_pixels().filter(|(x, y, pixel)| inside(*x, *y) && *pixel != later.get_pixel(*x, *y)).count();
+    let changed = first
+        .enumerate_pixels()
+        .filter(|(x, y, pixel)| inside(*x, *y) && *pixel != later.get_pixel(*x, *y))
+        .count();
     assert!(changed > 2000, "{changed} pixels changed");
     assert!(first.enumerate_pixels().all(|(x, y, pixel)| inside(x, y) || pixel == later.get_pixel(x, y)));
 }
@@ -84,7 +108,9 @@ fn the_loop_has_no_cut() {
     for class in [Class::Water, Class::Fire, Class::Smoke] {
         let animation = animated(class, 80);
         let frames: Vec<_> = (0..animation.frames()).map(|index| animation.frame(index)).collect();
-        let steps: Vec<_> = (0..frames.len()).map(|index| step(&frames[index], &frames[(index + 1) % frames.len()])).collect();
+        let steps: Vec<_> = (0..frames.len())
+            .map(|index| step(&frames[index], &frames[(index + 1) % frames.len()]))
+            .collect();
         let mean = steps.iter().sum::<f64>() / steps.len() as f64;
         let most = steps.iter().copied().fold(0.0, f64::max);
         assert!(mean > 0.5 && most < 2.0 * mean, "{class:?}: a step of {most} where the mean is {mean}");
@@ -101,10 +127,16 @@ fn the_same_is_made_every_time() {
 fn a_flame_leaves_its_outline_and_shows_no_grey() {
     let animation = animated(Class::Fire, 60);
     let (base, matte) = (picture(), matte());
-    let beyond = |(x, y, pixel): (u32, u32, &Rgb<u8>)| matte.row(y as usize)[x as usize] == 0.0 && pixel.0[0].abs_diff(base.get_pixel(x, y).0[0]) > 8;
-    assert!((0..animation.frames()).any(|index| animation.frame(index).enumerate_pixels().any(beyond)), "it stays inside");
+    let beyond = |(x, y, pixel): (u32, u32, &Rgb<u8>)| {
+        matte.row(y as usize)[x as usize] == 0.0 && pixel.0[0].abs_diff(base.get_pixel(x, y).0[0]) > 8
+    };
+    assert!(
+        (0..animation.frames()).any(|index| animation.frame(index).enumerate_pixels().any(beyond)),
+        "it stays inside"
+    );
     let frame = animation.frame(7);
-    let grey = frame.pixels().filter(|pixel| pixel.0[0] > 60 && pixel.0[0] < 220 && pixel.0[2] > pixel.0[0]).count();
+    let grey =
+        frame.pixels().filter(|pixel| pixel.0[0] > 60 && pixel.0[0] < 220 && pixel.0[2] > pixel.0[0]).count();
     assert_eq!(grey, 0);
 }
 
@@ -135,14 +167,17 @@ fn a_clip_holds_all_frames() {
 #[test]
 fn a_clip_is_as_long_as_it_is_asked_to_be() {
     let options = Options { seconds: Some(3.0), rate: Some(20.0), ..Options::new(Class::Water) };
-    let animation = animate(&picture(), &matte(), &labelling(), &Waves::new(40), &options, &|_, _, _| ()).expect("it can be animated");
+    let animation = animate(&picture(), &matte(), &labelling(), &Waves::new(40), &options, &|_, _, _| ())
+        .expect("it can be animated");
     assert_eq!((animation.frames(), animation.rate()), (60, 20.0));
 }
 
 #[test]
 fn what_cannot_be_animated_is_refused_by_name() {
     let refused = |matte: &Plane, labelling: &Labelling, footage: &Waves| {
-        animate(&picture(), matte, labelling, footage, &Options::new(Class::Water), &|_, _, _| ()).err().map(|error| error.to_string())
+        animate(&picture(), matte, labelling, footage, &Options::new(Class::Water), &|_, _, _| ())
+            .err()
+            .map(|error| error.to_string())
     };
     let footage = Waves::new(30);
     let mut none = labelling();

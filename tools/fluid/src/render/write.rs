@@ -10,10 +10,14 @@ use yurameki::os::clip::{ClipWriter, WriteError, Written};
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_clip(animation: &Animation, path: &Path, progress: &Progress<'_>) -> Result<Written, WriteError> {
+pub fn write_clip(
+    animation: &Animation,
+    path: &Path,
+    progress: &Progress<'_>,
+) -> Result<Written, WriteError> {
     let (base, small) = (&animation.base, &animation.small);
     let (kind, step, tint) = match &animation.paint {
-        Paint::Luma(tint) => (Kind::Luma, 1, tint),
+        Paint::Luma(tint) => (Kind::Luma, 1, tint.as_ref()),
         Paint::Colour(_) => (Kind::Colour, 2, &Tint::GREY),
     };
     let size = Size::new(base.width(), base.height());
