@@ -24,15 +24,16 @@ use std::{
     io::{self, BufWriter, Seek, SeekFrom, Write},
     os::unix::fs::FileExt,
     path::Path,
+    sync::Arc,
 };
 
 /// The file of a clip, read piece by piece where it is.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct ClipFile {
-    file: File,
+    file: Arc<File>,
     length: u64,
     /// For messages.
-    name: String,
+    name: Arc<str>,
 }
 
 impl Source for ClipFile {
@@ -57,10 +58,10 @@ impl Source for ClipFile {
 /// # Errors
 /// One line that names the file, what is wrong with its header or index and the cure.
 pub fn open(path: &Path) -> Result<Option<Clip<ClipFile>>, PhotoError> {
-    let name = path.to_string_lossy().into_owned();
+    let name = path.to_string_lossy().into();
     let file = photo::open_regular(path)?;
     let length = file.metadata().map_or(0, |metadata| metadata.len());
-    let source = ClipFile { file, length, name };
+    let source = ClipFile { file: Arc::new(file), length, name };
     let mut magic = [0; 3];
     if !source.read(0, &mut magic) || magic != clip::MAGIC[..3] {
         return Ok(None);

@@ -176,6 +176,8 @@ pub enum ClipError {
     Layout,
     /// The matte cannot be decoded.
     Matte,
+    /// The base has another size than the header says.
+    Picture(Size),
 }
 
 /// A part of a file that has a checksum.
@@ -239,6 +241,12 @@ impl fmt::Display for ClipError {
             Self::Frames(count) => write!(f, "the clip has {count} frames; 2 to 100000 can be"),
             Self::Layout => {
                 write!(f, "the parts of the clip are not where they can be; animate the picture again")
+            }
+            Self::Picture(size) => {
+                write!(
+                    f,
+                    "the base of the clip has {size} pixels, which its header denies; animate the picture again"
+                )
             }
             Self::Matte => write!(f, "the clip has a matte that cannot be; animate the picture again"),
         }

@@ -330,13 +330,13 @@ mod tests {
 
         #[test]
         fn any_bytes_are_a_frame_or_are_refused_and_change_nothing(
-            (width, count, extents, values) in pictures(), flips in prop::collection::vec((any::<prop::sample::Index>(), 0..8), 0..4), cut: prop::sample::Index
+            (width, count, extents, values) in pictures(), flips in prop::collection::vec((any::<prop::sample::Index>(), 0_u8..8), 0..4), cut: prop::sample::Index
         ) {
             let planes = Planes { width, extents: &extents, count };
             let mut bytes = coded(&planes, &values);
             for (at, bit) in flips {
                 let at = at.index(bytes.len());
-                bytes[at] ^= 1 << bit;
+                bytes[at] ^= 1_u8 << bit;
             }
             bytes.truncate(cut.index(bytes.len() + 1));
             let mut back = vec![7; values.len()];

@@ -99,7 +99,8 @@ fn colour<L: Lanes>(block: &Block, channel: usize, change: &Change) -> L {
 /// The most that a pixel changes, in 64ths of a level: all of them.
 const MOST: i32 = 255 * 64;
 
-/// Decodes frame number `number` into one of the two of the memory. One that is damaged leaves there what was there.
+/// Decodes frame number `number` into one of the two of the memory. In the place of one that is damaged comes
+/// what the other of the two holds.
 pub(super) fn fetch<C: Source>(clip: &Clip<C>, number: u32, memory: &mut Memory<'_>, slot: usize) {
     let shape = &clip.header().shape;
     let planes =
@@ -108,6 +109,11 @@ pub(super) fn fetch<C: Source>(clip: &Clip<C>, number: u32, memory: &mut Memory<
         .read_frame(number, memory.packed)
         .and_then(|bytes| decode(&planes, bytes, memory.residuals, memory.frames[slot]));
     if decoded.is_none() {
+        let [first, second] = &mut memory.frames;
+        match slot {
+            0 => first.copy_from_slice(second),
+            _ => second.copy_from_slice(first),
+        }
         clip.source().damaged(number);
     }
 }
