@@ -10,6 +10,8 @@
 //! ```
 
 pub mod appearance;
+pub mod args;
+pub mod commands;
 pub mod database;
 pub mod features;
 pub mod footage;

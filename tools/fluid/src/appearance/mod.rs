@@ -27,13 +27,27 @@ const _: () = assert!(ACROSS * ACROSS == PLACES && STRIDE.is_multiple_of(SPACING
 /// About 0.1 s for 640 × 360 pixels on one core.
 pub fn describe(luma: &Plane, grid: Grid, vocabulary: &Vocabulary) -> Vec<WordMap> {
     let covered = |patches: usize| patches.saturating_sub(1) * STRIDE + SIDE;
-    let descriptors = Descriptors::of(&extended(luma, covered(grid.columns), covered(grid.rows)));
-    let words = words(&descriptors, vocabulary);
-    let patches = (0..grid.rows).flat_map(|row| (0..grid.columns).map(move |column| (column, row)));
-    patches
-        .map(|(column, row)| {
-            let (left, top) = (column * STRIDE / SPACING, row * STRIDE / SPACING);
-            word_map(|x, y| words[(top + y) * descriptors.columns + left + x])
+    let plane = extended(luma, covered(grid.columns), covered(grid.rows));
+    let corners = (0..grid.rows).flat_map(|row| (0..grid.columns).map(move |column| (column, row)));
+    let step = STRIDE / SPACING;
+    describe_at(&plane, corners.map(|(column, row)| (column * step, row * step)), vocabulary)
+}
+
+/// The words of patches whose first places are at these columns and rows of places. They lie on the picture.
+pub fn describe_at(
+    luma: &Plane,
+    corners: impl Iterator<Item = (usize, usize)>,
+    vocabulary: &Vocabulary,
+) -> Vec<WordMap> {
+    let descriptors = Descriptors::of(luma);
+    // Patches share places, and places without a patch need no word.
+    let mut words: Vec<Option<u8>> = vec![None; descriptors.values.len()];
+    corners
+        .map(|(left, top)| {
+            core::array::from_fn(|place| {
+                let index = (top + place / ACROSS) * descriptors.columns + left + place % ACROSS;
+                *words[index].get_or_insert_with(|| vocabulary.word(&descriptors.values[index]))
+            })
         })
         .collect()
 }
@@ -48,16 +62,6 @@ fn extended(luma: &Plane, width: usize, height: usize) -> Plane {
         }
     }
     plane
-}
-
-/// The word of every place of a picture.
-fn words(descriptors: &Descriptors, vocabulary: &Vocabulary) -> Vec<u8> {
-    descriptors.values.iter().map(|descriptor| vocabulary.word(descriptor)).collect()
-}
-
-/// A patch's words, given the word at a place of it.
-fn word_map(word: impl Fn(usize, usize) -> u8) -> WordMap {
-    core::array::from_fn(|place| word(place % ACROSS, place / ACROSS))
 }
 
 #[cfg(test)]
