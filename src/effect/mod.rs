@@ -5,6 +5,8 @@
 //! knows no device, file or clock.
 
 pub mod autumn;
+mod checksum;
+pub mod fluid;
 pub mod kaleidoscope;
 pub mod paint;
 pub mod shimmer;
