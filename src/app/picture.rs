@@ -163,6 +163,7 @@ impl Moment for PictureMoment<'_> {
             Self::Shimmer(moment) => moment.fetch::<L>(columns, y),
             Self::Kaleidoscope(moment) => moment.fetch::<L>(columns, y),
             Self::Autumn(moment) => moment.fetch::<L>(columns, y),
+            Self::Fluid(moment) => moment.fetch::<L>(columns, y),
         }
     }
 
