@@ -37,7 +37,7 @@ pub struct ClipFile {
 }
 
 impl Source for ClipFile {
-    fn len(&self) -> u64 {
+    fn length(&self) -> u64 {
         self.length
     }
 
