@@ -158,6 +158,15 @@ impl Moment for PictureMoment<'_> {
     }
 
     #[inline(always)]
+    fn fetch<L: Lanes>(&self, columns: Range<usize>, y: u32) {
+        match self {
+            Self::Shimmer(moment) => moment.fetch::<L>(columns, y),
+            Self::Kaleidoscope(moment) => moment.fetch::<L>(columns, y),
+            Self::Autumn(moment) => moment.fetch::<L>(columns, y),
+        }
+    }
+
+    #[inline(always)]
     fn colours<L: Lanes>(&self, columns: Range<usize>, y: u32) -> impl Iterator<Item = [L; 3]> {
         match self {
             Self::Shimmer(moment) => One::Shimmer(moment.colours(columns, y)),
