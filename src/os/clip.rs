@@ -36,8 +36,15 @@ pub struct ClipFile {
     name: Arc<str>,
 }
 
+impl ClipFile {
+    /// What is wrong with it, by its name.
+    pub(super) fn named(&self, error: ClipError) -> PhotoError {
+        PhotoError::new(&self.name, Fault::Clip(error))
+    }
+}
+
 impl Source for ClipFile {
-    fn len(&self) -> u64 {
+    fn length(&self) -> u64 {
         self.length
     }
 
@@ -66,8 +73,7 @@ pub fn open(path: &Path) -> Result<Option<Clip<ClipFile>>, PhotoError> {
     if !source.read(0, &mut magic) || magic != clip::MAGIC[..3] {
         return Ok(None);
     }
-    let named = |error| PhotoError::new(&path.to_string_lossy(), Fault::Clip(error));
-    Clip::open(source).map(Some).map_err(named)
+    Clip::open(source.clone()).map(Some).map_err(|error| source.named(error))
 }
 
 /// The base of a clip, as the bytes of a photo's file of at the most `limit` bytes.

@@ -15,7 +15,7 @@ use crate::{
     effect::{
         Photo,
         autumn::{Plates, Species, Tree},
-        fluid::{Base, Clip, ClipError, View},
+        fluid::{Base, Clip, ClipError, PrepareError, View},
         kaleidoscope::{Mode, Reference},
         shimmer::automatic_mask::{HARDLY_ANYTHING_PER_MILLE, automatic_mask, moving_per_mille, scratch_len},
     },
@@ -256,7 +256,10 @@ impl Scene {
         let needed = subject.storage_len(life);
         storage.try_reserve_exact(needed.saturating_sub(storage.len()))?;
         storage.resize(needed, 0);
-        Ok(Picture::prepare(subject, life, storage, progress)?)
+        Picture::prepare(subject, life, storage, progress).map_err(|error| match (error, &self.clip) {
+            (PrepareError::Clip(error), Some((clip, _))) => clip.source().named(error).into(),
+            (error, _) => error.into(),
+        })
     }
 
     /// What an effect is prepared from.
@@ -285,8 +288,7 @@ fn load_clip(
 ) -> Result<Option<(Clip<ClipFile>, View)>, photo::PhotoError> {
     let Some(clip) = clip::open(path)? else { return Ok(None) };
     if clip.header().shape.base != photo.source_size {
-        let fault = photo::Fault::Clip(ClipError::Picture(photo.source_size));
-        return Err(photo::PhotoError::new(&photo.name, fault));
+        return Err(clip.source().named(ClipError::Picture(photo.source_size)));
     }
     let view = View { rotation, picture: photo.picture, shown: photo.shown() };
     Ok(Some((clip, view)))

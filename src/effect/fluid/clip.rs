@@ -261,7 +261,7 @@ impl core::error::Error for ClipError {}
 /// program by a signal. Bytes that are read are there or are not, and the copy of a frame takes some microseconds.
 pub trait Source {
     /// How many bytes there are.
-    fn len(&self) -> u64;
+    fn length(&self) -> u64;
 
     /// Fills `into` with the bytes from `at` on; `false` if they are not there.
     fn read(&self, at: u64, into: &mut [u8]) -> bool;
@@ -271,8 +271,8 @@ pub trait Source {
 }
 
 impl Source for &[u8] {
-    fn len(&self) -> u64 {
-        <[u8]>::len(self) as u64
+    fn length(&self) -> u64 {
+        self.len() as u64
     }
 
     fn read(&self, at: u64, into: &mut [u8]) -> bool {
@@ -481,11 +481,11 @@ impl<C: Source> Clip<C> {
     /// What is wrong with them.
     pub fn open(source: C) -> Result<Self, ClipError> {
         let mut start = [0; HEADER];
-        let there = source.len().min(HEADER as u64) as usize;
+        let there = source.length().min(HEADER as u64) as usize;
         if !source.read(0, &mut start[..there]) {
             return Err(ClipError::Cut);
         }
-        let clip = Self { header: Header::read(&start, source.len())?, source };
+        let clip = Self { header: Header::read(&start, source.length())?, source };
         clip.check_index()?;
         Ok(clip)
     }

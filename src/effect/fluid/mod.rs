@@ -252,8 +252,8 @@ mod tests {
     struct Counted<'a>(&'a [u8], &'a Cell<u32>);
 
     impl Source for Counted<'_> {
-        fn len(&self) -> u64 {
-            Source::len(&self.0)
+        fn length(&self) -> u64 {
+            self.0.length()
         }
 
         fn read(&self, at: u64, into: &mut [u8]) -> bool {
@@ -351,12 +351,16 @@ mod tests {
         // A turn plays 5/3 seconds, of 25 frames each.
         let drive = |frames: f64| drive((frames / 41.666_667 * 4_294_967_296.0) as u32, 0.5);
         for at in [0.0, 1.02] {
-            assert_eq!(colours(&fluid.at(drive(at))), colours(&whole.at(drive(at))));
+            assert!(
+                colours(&fluid.at(drive(at))) == colours(&whole.at(drive(at))),
+                "frame {at}, told {}",
+                damaged.get()
+            );
         }
         assert_eq!(damaged.get(), 1, "told when it is first needed");
-        assert_eq!(colours(&fluid.at(drive(2.02))), colours(&whole.at(drive(1.02))));
+        assert!(colours(&fluid.at(drive(2.02))) == colours(&whole.at(drive(1.02))), "frame 1 stays");
         assert_eq!(damaged.get(), 1, "told once");
-        assert_ne!(colours(&fluid.at(drive(3.02))), colours(&whole.at(drive(1.02))), "it goes on");
+        assert!(colours(&fluid.at(drive(3.02))) != colours(&whole.at(drive(1.02))), "it goes on");
     }
 
     #[test]

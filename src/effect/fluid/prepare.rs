@@ -51,7 +51,7 @@ pub(super) fn fill(
             let share = place.zip(row).map_or(0, |(column, row)| matte.at(column, row));
             for (channel, &level) in pixel.iter().enumerate() {
                 let gain = share * u32::from(tint.0[usize::from(luma(pixel))][channel]);
-                let gain = (gain + 127) / 255;
+                let gain = (gain + FULL / 2) / FULL;
                 block.base[channel][lane] = level;
                 block.gain[channel][lane] = gain as u8;
                 if gain > 0 {
@@ -66,6 +66,12 @@ pub(super) fn fill(
     memory.row.fill(0);
 }
 
+/// Fractional bits of the matte between pixels: rounded to its own steps, a strong tint would quadruple the error.
+const MATTE_BITS: u32 = 8;
+
+/// Where the matte lets all through.
+const FULL: u32 = 255 << MATTE_BITS;
+
 /// The matte as the panel is mounted.
 struct Matte<'a> {
     values: &'a [u8],
@@ -73,7 +79,7 @@ struct Matte<'a> {
 }
 
 impl Matte<'_> {
-    /// The matte between four pixels, 0..=255.
+    /// The matte between four pixels, 0..=[`FULL`].
     fn at(&self, column: Place, row: Place) -> u32 {
         let height = self.values.len() / self.width;
         let value = |x: usize, y: usize| {
@@ -82,6 +88,6 @@ impl Matte<'_> {
         let (x, y) = (usize::from(column.index), usize::from(row.index));
         let [across, down] = [column, row].map(|place| i64::from(place.weight));
         let line = |y| value(x, y) * (32_768 - across) + value(x + 1, y) * across;
-        ((line(y) * (32_768 - down) + line(y + 1) * down + (1 << 29)) >> 30) as u32
+        ((line(y) * (32_768 - down) + line(y + 1) * down) >> (30 - MATTE_BITS)) as u32
     }
 }

@@ -36,7 +36,7 @@ impl Film {
             (state >> 56) as u8
         };
         let matte: Vec<u8> = (0..grid.pixels())
-            .map(|i| if i as u32 % grid.width == 0 { 0 } else { noise().saturating_mul(2) })
+            .map(|i| if (i as u32).is_multiple_of(grid.width) { 0 } else { noise().saturating_mul(2) })
             .collect();
         let extents: Vec<Extent> = matte.chunks(grid.width as usize).map(Extent::of).collect();
         let inside = |i: usize| {

@@ -108,7 +108,7 @@ impl Axis {
         let on_grid = middle.clamp(0, last);
         let on_grid = if self.mirrored { last - on_grid } else { on_grid };
         let index = on_grid >> POSITION_BITS;
-        let weight = on_grid - (index << POSITION_BITS) >> (POSITION_BITS - 15);
+        let weight = (on_grid - (index << POSITION_BITS)) >> (POSITION_BITS - 15);
         Some(Place { index: index as u16, weight: weight as i16 })
     }
 }
