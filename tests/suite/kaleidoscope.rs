@@ -40,9 +40,9 @@ fn hash(more: &[&str]) -> String {
 
 /// SHA-256 over the frames, the same on every machine.
 const HASHES: [(&str, &str); 3] = [
-    ("literal", "49516275becd1c89654b09a542db66c3ddfba945c42fc1a4b940e2d1abfc4e5c"),
-    ("tonal", "4c1c1a2fbfcefcba723982d5ee9c6153b4f3bb8f7ea111bed65ac620dd1c7ae4"),
-    ("watercolour", "cc62e190ac076cc586b52869d4feb7758b2dbb72dec56b9ad43e4ace19048e4c"),
+    ("literal", "fd424e2899aaf0239f100e39dcb916edd21f3c48b6ea097dfc8decead77a9e4c"),
+    ("tonal", "8826198b04539adb44b9d0cd31ead9c6955c2537f7ff783752fc2db62b6c8441"),
+    ("watercolour", "21e1bd5b0b1768940c6af4619c2285668a99c634c854d8f956f365af4e610b8a"),
 ];
 
 #[test]
@@ -91,7 +91,7 @@ fn the_same_photo_gives_the_same_file_on_every_machine() {
     assert_eq!((bytes.len(), &bytes[16..20]), FILE, "the length and the checksum");
 }
 
-const FILE: (usize, &[u8]) = (199, &[210, 35, 225, 188]);
+const FILE: (usize, &[u8]) = (199, &[220, 240, 233, 209]);
 
 #[test]
 fn a_damaged_file_is_refused_with_one_line_that_names_it() {

@@ -2,18 +2,22 @@
 
 use super::{
     address::{SYMBOLS, Tones},
-    texture::{SIDE, Texel},
+    texture::{SIDE, TEXELS, Texel, Toning, approach},
     windows::{Place, Summary, UNIT, Windows, folded},
 };
 use crate::{
     frame::pack::Level,
-    math::{Factor, Turns, smoothstep},
+    math::{Factor, Turns},
     noise::drive::Drive,
 };
 
-/// Frames after which windows are chosen anew. The colours of the old ones fade into those of the new ones all that time: windows that changed
-/// at once, or in every frame, would be seen to pop.
+/// Frames after which windows are chosen anew. Windows that were chosen in every frame would be seen to tremble.
 const CHOSEN_FOR: u32 = 12;
+
+/// How far a frame brings the colours of the one before to those that the windows show, in sixteenths. Windows that have just been chosen come in without a
+/// pop, over some 20 frames, and the rest lags by 8 frames of a turn that takes 1,200. At 2 the change from frame to frame is at the most that of a
+/// smoothstep of 12 frames; it takes one look at the reference for each colour where a fade between two sets of windows takes two.
+const FOLLOWING: u16 = 2;
 
 /// Turns of the drive for one of the mirrors. An oscillation takes 1.7 s; mirrors that turned as fast would flicker.
 pub(super) const GEAR: i64 = 24;
@@ -25,10 +29,11 @@ pub(super) const REACH: i32 = UNIT / 14;
 #[derive(Clone, Debug)]
 pub(super) struct Mirrors {
     tonal: Option<(Summary, Tones)>,
-    before: Windows,
-    now: Windows,
-    /// Frames since `now` was chosen.
+    windows: Windows,
+    /// Frames since the windows were chosen.
     age: u32,
+    /// How far the colours have to go to those of the windows, in sixteenths.
+    due: u16,
     /// The sum of all steps of θ, in 2^-32 turns.
     turned: i64,
     last: Option<Drive>,
@@ -42,7 +47,7 @@ impl Mirrors {
             Some((summary, _)) => Windows::tonal(summary, &still, None),
             None => Windows::tiles(),
         };
-        Self { tonal, before: windows, now: windows, age: 0, turned: 0, last: None }
+        Self { tonal, windows, age: 0, due: 16, turned: 0, last: None }
     }
 
     /// Moves on to the frame of `drive`. One that is as the one before changes nothing: a picture that is halted stands still.
@@ -54,12 +59,12 @@ impl Mirrors {
         }
         let from = last.map_or(Turns::default(), |last| last.phase);
         self.turned += i64::from(drive.phase.0.wrapping_sub(from.0) as i32);
+        self.due = self.due.max(FOLLOWING);
         self.age += 1;
         if self.age == CHOSEN_FOR {
             self.age = 0;
-            self.before = self.now;
             if let Some((summary, _)) = &self.tonal {
-                self.now = Windows::tonal(summary, &self.shifts(), Some(&self.before));
+                self.windows = Windows::tonal(summary, &self.shifts(), Some(&self.windows));
             }
         }
     }
@@ -81,57 +86,48 @@ impl Mirrors {
         }))
     }
 
-    /// Fills `table` with the colours of all addresses of `depth` symbols.
-    pub(super) fn colours(&self, texels: &[Texel], depth: u32, table: &mut [Texel]) {
-        self.mixed(texels, depth, table);
-        if let Some((_, tones)) = &self.tonal {
-            for (window, &level) in table.chunks_exact_mut(SYMBOLS.pow(depth - 1)).zip(&tones.levels) {
-                tone(window, Level::from(level) << 4);
-            }
-        }
-    }
-
-    /// Fills `table` with the colours of the reference: those of the windows before and of those now, as the age demands.
-    fn mixed(&self, texels: &[Texel], depth: u32, table: &mut [Texel]) {
-        let (shifts, turn) = (self.shifts(), Turn::new(self.angle()));
-        let before = Addresses::new(&self.before, &shifts, turn);
-        if self.before == self.now {
-            before.each(depth, |address, place| table[address] = sample(texels, place));
+    /// Brings `table`, the colours of all addresses of `depth` symbols, up to this moment. It must be that of the moment before.
+    pub(super) fn colours(&mut self, texels: &[Texel], depth: u32, table: &mut [Texel]) {
+        let share = core::mem::take(&mut self.due);
+        let Some((texels, _)) = texels.split_first_chunk::<TEXELS>() else { return };
+        if share == 0 {
             return;
         }
-        let now = Addresses::new(&self.now, &shifts, turn);
-        let age =
-            Factor::from_bits(((u64::from(self.age) << Factor::FRAC_NBITS) / u64::from(CHOSEN_FOR)) as i32);
-        let share =
-            (smoothstep(age).to_bits() as u64 * 16 + (1 << (Factor::FRAC_NBITS - 1))) >> Factor::FRAC_NBITS;
-        before.each(depth, |address, place| table[address] = sample(texels, place));
-        now.each(depth, |address, place| {
-            table[address] = table[address].towards(sample(texels, place), share);
-        });
+        let (shifts, turn) = (self.shifts(), Turn::new(self.angle()));
+        let middles = core::array::from_fn(|k| plus(self.windows.0[k], shifts.0[k]));
+        let (mut offsets, length) = (Offsets { x: [0; WINDOW], y: [0; WINDOW] }, SYMBOLS.pow(depth - 1));
+        offsets.fill(&middles, turn, depth);
+        let mut fresh = [Texel::default(); WINDOW];
+        let fresh = &mut fresh[..length];
+        for (k, table) in table.chunks_exact_mut(length).take(SYMBOLS).enumerate() {
+            offsets.sample(texels, middles[k], fresh);
+            let toning = match &self.tonal {
+                Some((_, tones)) => toning(fresh, Level::from(tones.levels[k]) << 4),
+                None => Toning::NONE,
+            };
+            approach(table, fresh, toning, share);
+        }
     }
 }
+
+/// The most colours that begin with one symbol.
+const WINDOW: usize = SYMBOLS * SYMBOLS;
 
 /// How far a window's mean luma is brought to the level that its symbol has in the photo, in sixteenths. At 0 a reference without darkness
 /// or light of its own leaves nothing to be seen of the photo; at 16 it gives its hues, and nothing of its mood.
 const TONED: i32 = 10;
 
-/// Brings the mean luma of a window's colours nearer to `wanted`, all alike: darker colours are scaled down, lighter ones half scaled up and half
+/// What brings the mean luma of a window's colours nearer to `wanted`, all alike: darker colours are scaled down, lighter ones half scaled up and half
 /// mixed with white. White alone would make pastels of all colours, scaling alone would clip them.
-fn tone(window: &mut [Texel], wanted: Level) {
+fn toning(window: &[Texel], wanted: Level) -> Toning {
     const WHITE: i32 = 255 << 4;
-    let sum: u32 = window.iter().map(|texel| u32::from(texel.luma())).sum();
-    let mean = ((sum / window.len() as u32) as i32).max(1);
+    let mean = i32::from(Texel::mean_of(window).luma()).max(1);
     let change = (i32::from(wanted) - mean) * TONED / 16;
     let (scaled, lighter) = if change < 0 { (change, 0) } else { (change / 2, change - change / 2) };
-    let scale = ((mean + scaled) << 12) / mean;
-    let white = (lighter << 12) / (WHITE - mean).max(1);
-    for texel in window {
-        let toned = |channel: Level| {
-            let scaled = ((i32::from(channel) * scale) >> 12).min(WHITE);
-            (scaled + (((WHITE - scaled) * white) >> 12)) as Level
-        };
-        *texel = Texel::new(texel.channels().map(toned));
-    }
+    // Q12. Where all is nearly black there is nothing to be scaled up.
+    let scale = (((mean + scaled) << 12) / mean).min(u16::MAX.into()) as u16;
+    let white = ((lighter << 12) / (WHITE - mean).max(1)).min(1 << 12) as u16;
+    Toning { scale, white }
 }
 
 /// A turn by an angle that shrinks to a quarter, Q16.
@@ -155,42 +151,48 @@ impl Turn {
     }
 }
 
-/// The places of all addresses: g_s1∘g_s2∘g_s3 of the middle of the reference, g_k(p) = c_k + R(p − 1/2)/4.
-struct Addresses {
-    middles: [Place; SYMBOLS],
-    /// R(g_k(1/2) − 1/2)/4.
-    inner: [Place; SYMBOLS],
-    turn: Turn,
+/// Where the colours of a window lie, seen from its middle: the places of g_s1∘g_s2∘g_s3 of the middle of the reference without c_s1, for
+/// g_k(p) = c_k + R(p − 1/2)/4.
+struct Offsets {
+    x: [i32; WINDOW],
+    y: [i32; WINDOW],
 }
 
-impl Addresses {
-    fn new(windows: &Windows, shifts: &Windows, turn: Turn) -> Self {
-        let middles = core::array::from_fn(|k| plus(windows.0[k], shifts.0[k]));
-        Self { middles, inner: middles.map(|middle| turn.of(middle)), turn }
-    }
-
-    #[inline(always)]
-    fn each(&self, depth: u32, mut tell: impl FnMut(usize, Place)) {
-        match depth {
-            1 => self.middles.iter().enumerate().for_each(|(k, &middle)| tell(k, middle)),
-            2 => self.two(|address, offset, middle| tell(address, plus(middle, offset))),
-            _ => {
-                let mut inner = [[0; 2]; SYMBOLS * SYMBOLS];
-                self.two(|address, offset, middle| inner[address] = self.turn.of(plus(middle, offset)));
-                for (k, &middle) in self.middles.iter().enumerate() {
-                    for (j, &offset) in inner.iter().enumerate() {
-                        tell(k * SYMBOLS * SYMBOLS + j, plus(middle, offset));
-                    }
-                }
+impl Offsets {
+    fn fill(&mut self, middles: &[Place; SYMBOLS], turn: Turn, depth: u32) {
+        let Self { x, y } = self;
+        let mut all = x.iter_mut().zip(y);
+        let mut tell = |[x, y]: Place| {
+            if let Some((left, upper)) = all.next() {
+                (*left, *upper) = (x, y);
             }
+        };
+        let inner = middles.map(|middle| turn.of(middle));
+        match depth {
+            1 => tell([0, 0]),
+            2 => inner.into_iter().for_each(tell),
+            _ => middles.iter().for_each(|&middle| {
+                inner.iter().for_each(|&offset| tell(turn.of(plus(middle, offset))));
+            }),
         }
     }
 
-    fn two(&self, mut tell: impl FnMut(usize, Place, Place)) {
-        for (k, &middle) in self.middles.iter().enumerate() {
-            for (j, &offset) in self.inner.iter().enumerate() {
-                tell(k * SYMBOLS + j, offset, middle);
-            }
+    /// Fills `out` with the colours around `middle`, between texels by sixteenths.
+    fn sample(&self, texels: &[Texel; TEXELS], [x, y]: Place, out: &mut [Texel]) {
+        // 2^16 are 256 texels. Beyond the middle of the last one there is nothing to go on to.
+        const LAST: u16 = (SIDE as u16 - 1) << 8;
+        let (mut upper_left, mut across, mut down) = ([0_u16; WINDOW], [0_u8; WINDOW], [0_u8; WINDOW]);
+        // Lanes here, one by one below.
+        for i in 0..WINDOW {
+            let (u, v) = (folded(x + self.x[i]).min(LAST), folded(y + self.y[i]).min(LAST));
+            upper_left[i] = (v & 0xff00) | u >> 8;
+            (across[i], down[i]) = ((u >> 4 & 15) as u8, (v >> 4 & 15) as u8);
+        }
+        let places = upper_left.iter().zip(&across).zip(&down);
+        for (out, ((&at, &across), &down)) in out.iter_mut().zip(places) {
+            let at = usize::from(at);
+            let row = |at: usize| texels[at].towards(texels[at + 1], across.into());
+            *out = row(at).towards(row(at + SIDE), down.into());
         }
     }
 }
@@ -198,16 +200,4 @@ impl Addresses {
 #[inline(always)]
 const fn plus([x, y]: Place, [u, v]: Place) -> Place {
     [x + u, y + v]
-}
-
-/// The colour at a place, between texels by sixteenths.
-#[inline(always)]
-fn sample(texels: &[Texel], [x, y]: Place) -> Texel {
-    let (x, y) = (folded(x) as usize, folded(y) as usize);
-    // 2^16 are 256 texels.
-    let (u, v) = (x >> 8, y >> 8);
-    let (right, below) = ((u + 1).min(SIDE - 1), (v + 1).min(SIDE - 1));
-    let (across, down) = ((x >> 4 & 15) as u64, (y >> 4 & 15) as u64);
-    let row = |v: usize| texels[v * SIDE + u].towards(texels[v * SIDE + right], across);
-    row(v).towards(row(below), down)
 }

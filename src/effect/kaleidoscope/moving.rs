@@ -20,7 +20,7 @@ use super::{
     mirrors::Mirrors,
     prepare::TOLERANCE_Q4,
     render::one,
-    texture::{self, Reference, SIDE, Texel},
+    texture::{self, Reference, TEXELS, Texel},
     windows::Summary,
 };
 use crate::{
@@ -81,7 +81,7 @@ pub const fn moving_storage_len(size: Size) -> usize {
         + words::<Leaf>(most_leaves(plane))
         + words::<u16>(plane.pixels())
         + words::<u8>(plane.pixels() / (LARGEST * LARGEST))
-        + words::<Texel>(SIDE * SIDE)
+        + words::<Texel>(TEXELS)
         + words::<Texel>(ADDRESSES)
         + texture::scratch_len()
 }
@@ -160,7 +160,7 @@ impl<'a> Planes<'a> {
             leaves: take(memory, most_leaves(plane))?,
             addresses: take(memory, plane.pixels())?,
             ages: take(memory, plane.pixels() / (LARGEST * LARGEST))?,
-            texels: take(memory, SIDE * SIDE)?,
+            texels: take(memory, TEXELS)?,
             table: take(memory, ADDRESSES)?,
             scratch: core::mem::take(memory),
         })
@@ -274,37 +274,47 @@ pub struct MovingMoment<'a> {
 
 impl MovingMoment<'_> {
     /// How far a block of an age has given way to the kaleidoscope, Q15.
-    fn share(&self, age: u8) -> i16 {
+    fn share(&self, age: u8) -> i32 {
         let left = (HOLD + RETURN).saturating_sub(age).min(RETURN);
-        (i32::from(self.onset) * i32::from(left) / i32::from(RETURN)) as i16
+        i32::from(self.onset) * i32::from(left) / i32::from(RETURN)
     }
 
-    /// The pixels of one block in one row.
-    fn block(&self, x: usize, y: usize, share: i16, out: &mut Levels<'_>) {
-        let (plane, count) = (plane_size(self.size, (0, 0)), out.red.len());
-        let place = y * self.size.width as usize + x;
-        let colours = self.planes.colours.each_ref().map(|plane| &plane[place..][..count]);
-        if share > 0
-            && let Some((table, _)) = self.planes.table.split_first_chunk::<ADDRESSES>()
-        {
-            let addresses = &self.planes.addresses[y * plane.width as usize + x..][..count];
-            let mut cut = [0; LARGEST];
-            cut.iter_mut().zip(addresses).for_each(|(cut, &address)| *cut = address >> self.cut);
-            one(&cut[..count], table, out);
-        }
-        for (levels, colour) in out.planes().into_iter().zip(colours) {
-            for (level, &source) in levels.iter_mut().zip(colour) {
-                let source = i16::from(source) << 4;
-                // A share of 0 must not see what was in `out`.
-                let shown = if share > 0 { *level as i16 } else { source };
-                *level = if share == i16::MAX {
-                    *level
-                } else {
-                    (source + mul_q15(shown - source, share)) as Level
-                };
-            }
+    /// The shares in the middles of the blocks `from`.. of the image, in row `y`; before the first and behind the last they go on.
+    fn shares_of_blocks(&self, from: isize, y: usize, shares: &mut [i32]) {
+        let plane = plane_size(self.size, (0, 0));
+        let [columns, rows] = [plane.width, plane.height].map(|length| length as isize / LARGEST as isize);
+        let (upper, weight) = between(y);
+        let [above, below] = [upper, upper + 1]
+            .map(|row| &self.planes.ages[(row.clamp(0, rows - 1) * columns) as usize..][..columns as usize]);
+        for (share, column) in shares.iter_mut().zip(from..) {
+            let [above, below] =
+                [above, below].map(|row| self.share(row[column.clamp(0, columns - 1) as usize]));
+            *share = above + (below - above) * weight / WEIGHTS;
         }
     }
+
+    /// The shares of the pixels from (x, y) on. They go over from the middle of a block to that of the next: blocks have no borders that
+    /// could be seen.
+    fn fill_shares(&self, x: usize, y: usize, shares: &mut [i16]) {
+        let first = between(x).0;
+        let mut blocks = [0; RUN / LARGEST + 2];
+        self.shares_of_blocks(first, y, &mut blocks);
+        for (share, x) in shares.iter_mut().zip(x..) {
+            let (block, weight) = between(x);
+            let [left, right] = [0, 1].map(|i| blocks[(block - first) as usize + i]);
+            *share = (left + (right - left) * weight / WEIGHTS) as i16;
+        }
+    }
+}
+
+/// What the way from the middle of a block to that of the next is divided into.
+const WEIGHTS: i32 = 2 * LARGEST as i32;
+
+/// The last block whose middle is before the pixel at a place, −1 where there is none, and how far the pixel is from it to the next.
+const fn between(at: usize) -> (isize, i32) {
+    let halves = 2 * at as isize + 1 - LARGEST as isize;
+    let block = halves.div_euclid(2 * LARGEST as isize);
+    (block, (halves - block * 2 * LARGEST as isize) as i32)
 }
 
 impl effect::Moment for MovingMoment<'_> {
@@ -317,15 +327,35 @@ impl effect::Moment for MovingMoment<'_> {
     }
 
     fn levels(&self, x: usize, y: u32, levels: &mut Levels<'_>) {
-        let blocks = plane_size(self.size, (0, 0)).width as usize / LARGEST;
-        let (mut done, y) = (0, y as usize);
-        while done < levels.red.len() {
-            let at = x + done;
-            let end = levels.red.len().min(done + LARGEST - at % LARGEST);
-            let share = self.share(self.planes.ages[y / LARGEST * blocks + at / LARGEST]);
-            let [red, green, blue] = levels.planes().map(|plane| &mut plane[done..end]);
-            self.block(at, y, share, &mut Levels { red, green, blue });
-            done = end;
+        let (y, count, width) = (y as usize, levels.red.len(), plane_size(self.size, (0, 0)).width as usize);
+        let mut shares = [0; RUN];
+        let shares = &mut shares[..count];
+        self.fill_shares(x, y, shares);
+        let colours =
+            self.planes.colours.each_ref().map(|plane| &plane[y * self.size.width as usize + x..][..count]);
+        if shares.iter().all(|&share| share == 0) {
+            for (levels, colour) in levels.planes().into_iter().zip(colours) {
+                levels.iter_mut().zip(colour).for_each(|(level, &source)| *level = Level::from(source) << 4);
+            }
+            return;
+        }
+        let Some((table, _)) = self.planes.table.split_first_chunk::<ADDRESSES>() else { return };
+        let addresses = &self.planes.addresses[y * width + x..][..count];
+        if self.cut == 0 {
+            one(addresses, table, levels);
+        } else {
+            let mut cut = [0; RUN];
+            cut.iter_mut().zip(addresses).for_each(|(cut, &address)| *cut = address >> self.cut);
+            one(&cut[..count], table, levels);
+        }
+        if shares.iter().all(|&share| share == i16::MAX) {
+            return;
+        }
+        for (levels, colour) in levels.planes().into_iter().zip(colours) {
+            for ((level, &source), &share) in levels.iter_mut().zip(colour).zip(&*shares) {
+                let source = i16::from(source) << 4;
+                *level = (source + mul_q15(*level as i16 - source, share)) as Level;
+            }
         }
     }
 }
@@ -433,7 +463,13 @@ mod tests {
         let source = source.as_chunks::<3>().0;
         let differs = |i: &usize| shown[*i] != source[*i];
         assert!((0..shown.len()).filter(differs).count() > 100);
-        assert!((0..shown.len()).filter(differs).all(|i| inside(i, SIZE.width as usize)));
+        // It fades out up to the middles of the blocks around.
+        let near = |i: usize| {
+            (56..88).contains(&(i % SIZE.width as usize)) && (24..56).contains(&(i / SIZE.width as usize))
+        };
+        assert!((0..shown.len()).filter(differs).all(near));
+        let faint = |i: &usize| differs(i) && !inside(*i, SIZE.width as usize);
+        assert!((0..shown.len()).filter(faint).count() > 50);
         for _ in 0..HOLD + RETURN {
             moving.see(&Still { size: SIZE, rgb: &scene(19) });
         }

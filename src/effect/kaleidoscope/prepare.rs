@@ -6,7 +6,7 @@ use super::{
     fractal::{self, Leaf, Options, most_leaves, plane_size},
     luma,
     mirrors::Mirrors,
-    texture::{self, Reference, SIDE, Texel},
+    texture::{self, Reference, TEXELS, Texel},
     windows::Summary,
 };
 use crate::{
@@ -33,7 +33,7 @@ pub const fn storage_len(size: Size, settings: &Settings) -> usize {
     let pixels = size.pixels();
     let kept = words::<[u8; 3]>(pixels)
         + words::<u16>(pixels * settings.mode.shifts().len())
-        + words::<Texel>(SIDE * SIDE)
+        + words::<Texel>(TEXELS)
         + words::<Texel>(ADDRESSES);
     kept + scratch_len(size, settings)
 }
@@ -63,7 +63,7 @@ impl<'a> Planes<'a> {
         Some(Self {
             rgb: take(memory, pixels)?,
             addresses: take(memory, pixels * mode.shifts().len())?,
-            texels: take(memory, SIDE * SIDE)?,
+            texels: take(memory, TEXELS)?,
             table: take(memory, ADDRESSES)?,
             scratch: core::mem::take(memory),
         })

@@ -4,7 +4,7 @@ use super::{
     address::{self, DEPTH, Literal, SYMBOLS, Symbols, Tones},
     fractal::{Leaf, Options, encode, fill_plane, most_leaves, plane_size, scratch_len},
     mirrors::Mirrors,
-    texture::{self, SIDE, Texel},
+    texture::{self, SIDE, TEXELS, Texel},
     windows::Windows,
     *,
 };
@@ -84,7 +84,7 @@ fn darker_levels_have_no_higher_symbols_and_all_symbols_are_used_where_all_level
 }
 
 fn texels(reference: Reference<'_>, depth: u32) -> Vec<Texel> {
-    let mut texels = vec![Texel::default(); SIDE * SIDE];
+    let mut texels = vec![Texel::default(); TEXELS];
     texture::fill(reference, depth, &mut texels, &mut vec![0; texture::scratch_len()]).unwrap();
     texels
 }

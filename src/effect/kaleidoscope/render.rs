@@ -75,17 +75,53 @@ fn colour(table: &[Texel; ADDRESSES], address: u16) -> Texel {
     table[usize::from(address) % ADDRESSES]
 }
 
+/// Pixels that are taken apart together: the compiler makes lanes of them.
+const BLOCK: usize = 8;
+
 pub(super) fn one(addresses: &[u16], table: &[Texel; ADDRESSES], levels: &mut Levels<'_>) {
-    let channels = levels.red.iter_mut().zip(&mut *levels.green).zip(&mut *levels.blue);
-    for (((red, green), blue), &address) in channels.zip(addresses) {
-        [*red, *green, *blue] = colour(table, address).channels();
-    }
+    let (blocks, rest) = addresses.as_chunks::<BLOCK>();
+    let lanes = Texel::lanes(table);
+    // One channel at a time, straight from the table: a texel that is fetched whole would have to be taken apart.
+    let blocks = blocks.iter().map(|block| {
+        Texel::LANES.map(|lane| block.map(|address| lanes[usize::from(address) % ADDRESSES][lane]))
+    });
+    let rest = rest.iter().map(|&address| colour(table, address));
+    fill(blocks, rest, levels);
 }
 
-fn four([a, b, c, d]: [&[u16]; 4], table: &[Texel; ADDRESSES], levels: &mut Levels<'_>) {
-    let channels = levels.red.iter_mut().zip(&mut *levels.green).zip(&mut *levels.blue);
-    let addresses = a.iter().zip(b).zip(c).zip(d);
-    for (((red, green), blue), (((&a, &b), &c), &d)) in channels.zip(addresses) {
-        [*red, *green, *blue] = Texel::mean([a, b, c, d].map(|address| colour(table, address))).channels();
+fn four(layers: [&[u16]; 4], table: &[Texel; ADDRESSES], levels: &mut Levels<'_>) {
+    let [a, b, c, d] = layers.map(|layer| layer.as_chunks::<BLOCK>().0.iter());
+    let mean = |addresses: [u16; 4]| Texel::mean(addresses.map(|address| colour(table, address)));
+    let texels = a
+        .zip(b)
+        .zip(c)
+        .zip(d)
+        .map(|(((a, b), c), d)| take_apart(core::array::from_fn(|i| mean([a[i], b[i], c[i], d[i]]))));
+    let start = levels.red.len() / BLOCK * BLOCK;
+    let rest = (start..levels.red.len()).map(|i| mean(layers.map(|layer| layer[i])));
+    fill(texels, rest, levels);
+}
+
+#[inline(always)]
+fn take_apart(texels: [Texel; BLOCK]) -> [[Level; BLOCK]; 3] {
+    let channels = texels.map(Texel::channels);
+    [channels.map(|[red, _, _]| red), channels.map(|[_, green, _]| green), channels.map(|[_, _, blue]| blue)]
+}
+
+/// Fills `levels` with the channels of whole blocks, and with those of the `rest`.
+#[inline(always)]
+fn fill(
+    blocks: impl Iterator<Item = [[Level; BLOCK]; 3]>,
+    rest: impl Iterator<Item = Texel>,
+    levels: &mut Levels<'_>,
+) {
+    let (red, red_rest) = levels.red.as_chunks_mut::<BLOCK>();
+    let (green, green_rest) = levels.green.as_chunks_mut::<BLOCK>();
+    let (blue, blue_rest) = levels.blue.as_chunks_mut::<BLOCK>();
+    for (((red, green), blue), channels) in red.iter_mut().zip(green).zip(blue).zip(blocks) {
+        [*red, *green, *blue] = channels;
+    }
+    for (((red, green), blue), texel) in red_rest.iter_mut().zip(green_rest).zip(blue_rest).zip(rest) {
+        [*red, *green, *blue] = texel.channels();
     }
 }

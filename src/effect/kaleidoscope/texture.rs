@@ -3,6 +3,7 @@
 //! T[s1 … sM] is the mean colour over a square of 1/4^M of the photo's sides. All those squares are of one size, so the means around
 //! every place are found once: a colour is then one look-up, and there are no point samples that could sparkle.
 
+use super::address::ADDRESSES;
 use crate::effect::storage::{take, words};
 use crate::{
     effect::StorageTooSmall,
@@ -12,6 +13,9 @@ use bytemuck::{Pod, Zeroable};
 
 /// Pixels of a side; the photo is stretched to a square.
 pub(super) const SIDE: usize = 256;
+
+/// Texels: those of the square, and room for the neighbours, of no weight, of the last ones.
+pub(super) const TEXELS: usize = SIDE * SIDE + SIDE + 1;
 
 /// A colour: red, green and blue in the lower 16-bit lanes of a word, so that sums and weighted means take one step for all three.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
@@ -34,7 +38,20 @@ impl Texel {
     /// The colour `share` sixteenths of the way to `other`, rounded down: 12 bits and 4 are a lane.
     #[inline(always)]
     pub(super) const fn towards(self, other: Self, share: u64) -> Self {
-        Self((self.0 * (16 - share) + other.0 * share) >> 4 & LANES)
+        // What a lane of the difference borrows from the next, the sum gives back.
+        Self((self.0 << 4).wrapping_add(other.0.wrapping_sub(self.0).wrapping_mul(share)) >> 4 & LANES)
+    }
+
+    /// The mean of colours, rounded down.
+    pub(super) fn mean_of(colours: &[Self]) -> Self {
+        // Red and blue in the halves of one sum, which are wide enough for what a window has.
+        let (mut red_and_blue, mut green) = (0_u64, 0_u64);
+        for colour in colours {
+            red_and_blue += colour.0 & 0x0000_ffff_0000_ffff;
+            green += colour.0 >> 16 & 0xffff;
+        }
+        let sums = [red_and_blue & 0xffff_ffff, green, red_and_blue >> 32];
+        Self::new(sums.map(|sum| (sum / colours.len().max(1) as u64) as Level))
     }
 
     /// The mean of four colours, rounded down.
@@ -43,10 +60,51 @@ impl Texel {
         Self((a.0 + b.0 + c.0 + d.0) >> 2 & LANES)
     }
 
+    /// Where red, green and blue stand among the [`Self::lanes`].
+    pub(super) const LANES: [usize; 3] = if cfg!(target_endian = "big") { [3, 2, 1] } else { [0, 1, 2] };
+
+    /// The lanes of a table's texels, in the order of memory.
+    #[inline(always)]
+    pub(super) fn lanes(texels: &[Self; ADDRESSES]) -> &[[Level; 4]; ADDRESSES] {
+        bytemuck::cast_ref(texels)
+    }
+
     /// The luma, in levels.
     pub(super) const fn luma(self) -> Level {
         let [r, g, b] = self.channels();
         ((r as u32 * 218 + g as u32 * 732 + b as u32 * 74 + 512) >> 10) as Level
+    }
+}
+
+/// How colours are made darker or lighter, all channels alike; Q12.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Toning {
+    /// They are scaled by this, and cut at white.
+    pub(super) scale: u16,
+    /// Then they are brought so far to white.
+    pub(super) white: u16,
+}
+
+impl Toning {
+    /// What changes nothing.
+    pub(super) const NONE: Self = Self { scale: 1 << 12, white: 0 };
+
+    #[inline(always)]
+    fn of(self, level: Level) -> Level {
+        const WHITE: Level = 255 << 4;
+        // Products of 16 bits of which the upper half is taken: there are lanes for that.
+        let part = |level: Level, factor: u16| ((u32::from(level << 4) * u32::from(factor)) >> 16) as u16;
+        let scaled = part(level, self.scale).min(WHITE);
+        scaled + part(WHITE - scaled, self.white)
+    }
+}
+
+/// Brings the colours of `table` `share` sixteenths of the way to the toned `fresh` ones, rounded to nearest.
+pub(super) fn approach(table: &mut [Texel], fresh: &[Texel], toning: Toning, share: u16) {
+    // Lane by lane. What becomes of the uppermost, which is no colour, is the same for all, and nobody looks at it.
+    let fresh: &[Level] = bytemuck::cast_slice(fresh);
+    for (old, &new) in bytemuck::cast_slice_mut::<Texel, Level>(table).iter_mut().zip(fresh) {
+        *old = (*old * (16 - share) + toning.of(new) * share + 8) >> 4;
     }
 }
 

@@ -31,24 +31,24 @@ impl Windows {
         let lumas = || (0..CANDIDATES * CANDIDATES).map(|i| i32::from(summary.at(candidate(i)).luma));
         let (darkest, lightest) = (lumas().min().unwrap_or(0), lumas().max().unwrap_or(0));
         let mut windows = Self::tiles();
+        let mut overlaps = [0; CANDIDATES * CANDIDATES];
         // From both ends to the middle: the darkest and the lightest are the rarest.
         for step in 0..SYMBOLS {
             let k = if step % 2 == 0 { step / 2 } else { SYMBOLS - 1 - step / 2 };
             let wanted = darkest + (lightest - darkest) * (2 * k as i32 + 1) / (2 * SYMBOLS as i32);
-            let taken = |j: &usize| {
-                let order = |k: usize| if k < SYMBOLS / 2 { 2 * k } else { 2 * (SYMBOLS - 1 - k) + 1 };
-                order(*j) < step
-            };
-            let cost = |place: Place| {
+            let cost = |i: usize| {
+                let place = candidate(i);
                 let found = summary.at([place[0] + shifts.0[k][0], place[1] + shifts.0[k][1]]);
-                let overlap: i32 = (0..SYMBOLS).filter(taken).map(|j| overlap(place, windows.0[j])).sum();
                 let kept = before.is_some_and(|before| before.0[k] == place);
                 TONE * (i32::from(found.luma) - wanted).abs() - i32::from(found.saturation) * SATURATION / 2
-                    + overlap * OVERLAP
+                    + overlaps[i] * OVERLAP
                     - if kept { KEPT } else { 0 }
             };
-            let best = (0..CANDIDATES * CANDIDATES).map(candidate).min_by_key(|&place| cost(place));
+            let best = (0..CANDIDATES * CANDIDATES).min_by_key(|&i| cost(i)).map(candidate);
             windows.0[k] = best.unwrap_or(windows.0[k]);
+            for (i, sum) in overlaps.iter_mut().enumerate() {
+                *sum += overlap(candidate(i), windows.0[k]);
+            }
         }
         windows
     }
@@ -113,9 +113,9 @@ impl Summary {
 
 /// Where a coordinate is found once the mirror images are folded in: 0..2^16.
 #[inline(always)]
-pub(super) const fn folded(at: i32) -> i32 {
-    let at = at & (2 * UNIT - 1);
-    if at < UNIT { at } else { 2 * UNIT - 1 - at }
+pub(super) const fn folded(at: i32) -> u16 {
+    // The bit of the mirror images turns all those below it over.
+    (at ^ (at << 15 >> 31)) as u16
 }
 
 /// Every fourth texel of a window.

@@ -4,6 +4,7 @@ mod coding;
 mod cost;
 mod likeness;
 mod pictures;
+mod sheet;
 
 use crate::Failure;
 use std::path::PathBuf;
@@ -21,6 +22,9 @@ pub(crate) struct Args {
     /// A photo and its reference, as often as you like.
     #[arg(long, value_names = ["PHOTO", "REFERENCE"], num_args = 2)]
     pair: Vec<PathBuf>,
+    /// Draw all pairs, in every mode, on one sheet.
+    #[arg(long, value_name = "FILE", requires = "pair")]
+    sheet: Option<PathBuf>,
     /// Also count the instructions of a frame, with valgrind.
     #[arg(long)]
     instructions: bool,
@@ -48,9 +52,15 @@ pub(crate) fn measure(args: &Args) -> Result<(), Failure> {
             coding::table(&Picture::load(path, Size::new(side, side))?)?;
         }
     }
+    let mut rows = Vec::new();
     for pair in args.pair.chunks_exact(2) {
-        let size = Size::new(480, 320);
-        pictures::table(&Picture::load(&pair[0], size)?, &Picture::load(&pair[1], size)?)?;
+        let [photo, reference] =
+            [Picture::load(&pair[0], sheet::CELL)?, Picture::load(&pair[1], sheet::CELL)?];
+        let shown = pictures::table(&photo, &reference)?;
+        rows.push([vec![photo, reference], shown].concat());
+    }
+    if let Some(path) = &args.sheet {
+        sheet::draw(path, &rows)?;
     }
     println!("allocations a frame: {}", cost::allocations());
     if args.instructions {
@@ -60,6 +70,7 @@ pub(crate) fn measure(args: &Args) -> Result<(), Failure> {
 }
 
 /// A picture within a size.
+#[derive(Clone)]
 struct Picture {
     name: String,
     size: Size,

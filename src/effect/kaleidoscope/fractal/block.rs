@@ -87,18 +87,64 @@ pub(super) const fn brightness_q10(contrast: i8, step: u8) -> i32 {
 }
 
 impl Fit {
-    /// The quantised contrast and brightness with which `domain` is nearest to `range`.
+    /// The contrast that is nearest to the best one, and the brightness with which `domain` is nearest to `range` then.
     pub(super) fn new(range: &Block, domain: &Block) -> Self {
+        let sums = Sums::new(range, domain);
+        sums.fit(sums.contrast())
+    }
+
+    /// As [`Fit::new`], but of the contrasts next to that the one whose steps of brightness, up to four levels apart, suit best. A domain that is of use
+    /// stays so.
+    pub(super) fn finest(range: &Block, domain: &Block) -> Self {
+        let sums = Sums::new(range, domain);
+        let k = sums.contrast();
+        let others = [k - 1, k + 1].into_iter().filter(|other| other.abs() <= STEEPEST && *other != 0);
+        others
+            .map(|k| sums.fit(k))
+            .fold(sums.fit(k), |best, fit| if fit.error < best.error { fit } else { best })
+    }
+}
+
+/// What is summed up of a range and a domain: the pixels, and the levels of each, their squares and their products.
+struct Sums {
+    n: i64,
+    r: i64,
+    rr: i64,
+    d: i64,
+    dd: i64,
+    rd: i64,
+}
+
+impl Sums {
+    fn new(range: &Block, domain: &Block) -> Self {
         let n = range.pixels() as i64;
         let product: u32 =
             range.levels().iter().zip(domain.levels()).map(|(&r, &d)| u32::from(r) * u32::from(d)).sum();
         let [r, rr, d, dd, rd] =
             [range.sum, range.square_sum, domain.sum, domain.square_sum, product].map(i64::from);
+        Self { n, r, rr, d, dd, rd }
+    }
+
+    /// k of the least error, rounded.
+    const fn contrast(&self) -> i64 {
+        let Self { n, r, d, dd, rd, .. } = *self;
         let (covariance, variance) = (n * rd - r * d, n * dd - d * d);
-        let k = match variance {
-            0 => 0,
-            _ => div_rounded(16 * covariance, variance).clamp(-STEEPEST, STEEPEST),
-        };
+        if variance == 0 {
+            return 0;
+        }
+        let k = div_rounded(16 * covariance, variance);
+        if k > STEEPEST {
+            STEEPEST
+        } else if k < -STEEPEST {
+            -STEEPEST
+        } else {
+            k
+        }
+    }
+
+    /// With the best brightness for k.
+    fn fit(&self, k: i64) -> Fit {
+        let Self { n, r, rr, d, dd, rd } = *self;
         // n times the best brightness in Q4, and the step next to it.
         let ideal = 16 * r - k * d;
         let span = 255 * (16 + k.abs());
@@ -107,7 +153,7 @@ impl Fit {
         let (contrast, brightness) = (k as i8, step as u8);
         let (s, o) = (k * 64, i64::from(brightness_q10(contrast, brightness)));
         let error = (rr << 20) - ((s * rd + o * r) << 11) + s * s * dd + 2 * s * o * d + n * o * o;
-        Self { contrast, brightness, error: error as u64 }
+        Fit { contrast, brightness, error: error as u64 }
     }
 }
 

@@ -242,6 +242,31 @@ proptest! {
         }
     }
 
+    /// As the fuzz target `yfc`: true files, changed here and there, cut or made longer, with a right checksum.
+    #[test]
+    fn a_file_that_was_tampered_with_is_refused_or_harmless(
+        changes in proptest::collection::vec((any::<u16>(), any::<u8>()), 0..6), header in any::<bool>(), length in 0_usize..400
+    ) {
+        static FILE: std::sync::OnceLock<Vec<u8>> = std::sync::OnceLock::new();
+        let mut file = FILE.get_or_init(|| Coded::new(Size::new(40, 36), Search::Filter8).file()).clone();
+        let whole = file.len();
+        for (place, byte) in changes {
+            let within = if header { 20 } else { whole };
+            file[usize::from(place) % within] ^= byte;
+        }
+        if length < whole {
+            file.truncate(length.max(whole - length));
+        }
+        let file = sealed(file);
+        if let Ok(checked) = Checked::new(&file) {
+            let mut leaves = vec![Leaf::default(); checked.leaves()];
+            let code = checked.read(&mut leaves);
+            let pixels = code.plane_size().pixels();
+            prop_assert!(pixels / 256 * 13 <= file.len() * 8);
+            decode(&code, 2, &mut vec![128; pixels], &mut vec![0; pixels / 4]);
+        }
+    }
+
     #[test]
     fn a_fit_has_the_error_that_it_tells_and_no_other_brightness_has_less(
         range in proptest::collection::vec(any::<u8>(), 64), domain in proptest::collection::vec(any::<u8>(), 64)

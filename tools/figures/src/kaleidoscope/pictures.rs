@@ -25,7 +25,9 @@ const FRAMES: usize = 120;
 /// The frame that is compared with the photo: windows have been chosen anew.
 const COMPARED: usize = 13;
 
-pub(super) fn table(photo: &Picture, reference: &Picture) -> Result<(), Failure> {
+/// Prints how the pair looks and moves, a line a mode; gives the frames that were compared.
+pub(super) fn table(photo: &Picture, reference: &Picture) -> Result<Vec<Picture>, Failure> {
+    let mut compared = Vec::new();
     let (source, width) = (photo.luma(), photo.size.width as usize);
     let ranges = ranges(photo, &source)?;
     let own = border_ratio(&source, width, &ranges);
@@ -52,6 +54,7 @@ pub(super) fn table(photo: &Picture, reference: &Picture) -> Result<(), Failure>
             }
             if i == COMPARED {
                 let shown = luma(&frame);
+                compared.push(Picture { name: name.into(), size: photo.size, rgb: frame.clone() });
                 (likeness, borders) = (ssim(&source, &shown, width), border_ratio(&shown, width, &ranges));
             }
             before.clone_from(&frame);
@@ -60,7 +63,7 @@ pub(super) fn table(photo: &Picture, reference: &Picture) -> Result<(), Failure>
         let most = changes.iter().copied().fold(0.0, f64::max);
         println!("  {name:12} {likeness:6.3} {borders:6.2} {mean:6.2} {most:6.2}");
     }
-    Ok(())
+    Ok(compared)
 }
 
 /// The ranges that the kaleidoscope cuts the photo into.

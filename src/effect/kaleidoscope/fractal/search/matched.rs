@@ -21,7 +21,10 @@ use super::{
     super::{block::Block, isometry::Isometry},
     Planes, Pool,
 };
-use crate::effect::storage::{take, words};
+use crate::{
+    effect::storage::{take, words},
+    math::lanes::{self, Task, on_widest},
+};
 
 /// Domains that are compared at a time, one a lane; each lane keeps its best. So many that the compiler makes vectors of them.
 const LANES: usize = 32;
@@ -87,11 +90,7 @@ impl<'a> Matched<'a> {
         let spread = range.numbers.map(|number| [number; LANES]);
         for (part, groups) in self.groups.chunks(MOST_GROUPS).enumerate() {
             let first = part * MOST_GROUPS * LANES;
-            let best = match turn {
-                None => best(groups, reach, |group| Products::of(group, &spread).largest()),
-                Some(_) => best(groups, reach, |group| Products::of(group, &spread).in_one_orientation()),
-            };
-            for index in best {
+            for index in on_widest(Comparison { groups, reach, spread: &spread, canonical: turn.is_some() }) {
                 let products = Products::of_one(&self.vector(first + index), &range);
                 let isometry = match (self.turns, turn) {
                     (Some(turns), Some(turn)) => {
@@ -108,6 +107,31 @@ impl<'a> Matched<'a> {
     fn vector(&self, index: usize) -> Vector {
         let numbers = self.groups[index / LANES].map(|lanes| lanes[index % LANES]);
         Vector { numbers: core::array::from_fn(|i| numbers[i]), norm: numbers[NORMS] }
+    }
+}
+
+/// A range against all domains.
+struct Comparison<'a> {
+    groups: &'a [Group],
+    reach: Reach,
+    /// The range's numbers.
+    spread: &'a [Lanes; 16],
+    /// Whether one orientation is compared, or all are.
+    canonical: bool,
+}
+
+impl Task for Comparison<'_> {
+    type Output = heapless::Vec<usize, BEST>;
+
+    /// The lanes are not named: the compiler makes them of loops, with whatever instructions it may use here.
+    #[inline(always)]
+    fn run<L: lanes::Lanes>(self) -> Self::Output {
+        let Self { groups, reach, spread, canonical } = self;
+        if canonical {
+            best(groups, reach, |group| Products::of(group, spread).in_one_orientation())
+        } else {
+            best(groups, reach, |group| Products::of(group, spread).largest())
+        }
     }
 }
 

@@ -87,6 +87,8 @@ pub(super) const fn pool_len(size: Size, search: Search) -> usize {
 /// Finds candidates for ranges of one side.
 #[expect(clippy::large_enum_variant, reason = "one is there at a time, on the stack")]
 pub(super) enum Finder<'a> {
+    /// None but the domain around the range, upright, which is always compared.
+    Around,
     Concentric,
     Local,
     Matched(Matched<'a>),
@@ -115,6 +117,7 @@ impl<'a> Finder<'a> {
         mut found: impl FnMut(u16, u16, u8),
     ) {
         match self {
+            Self::Around => {}
             Self::Concentric => local(planes, range.side(), (x, y), 0, found),
             Self::Local => local(planes, range.side(), (x, y), LOCAL_REACH, found),
             Self::Matched(matched) => matched.candidates(range, |index, isometry| {
