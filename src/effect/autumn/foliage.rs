@@ -25,7 +25,8 @@ pub(super) fn fill(texels: &mut [Texel], photo: Photo<'_>, mount: Mount, species
     let (width, height) = (photo.size.width as usize, mount.upright().height);
     let colours = photo.rgb.as_chunks::<3>().0;
     for (at, ((texel, &colour), &mask)) in texels.iter_mut().zip(colours).zip(photo.mask).enumerate() {
-        let mut cover = u32::from(mask) * greenness(colour) / 255;
+        // What hardly moves, the middle of a broad leaf, turns all the same.
+        let mut cover = (u32::from(mask) * 3).min(255) * greenness(colour) / 255;
         if cover > 0 {
             cover = cover * deciduousness(colours, photo.size, at) / 255;
         }
@@ -51,8 +52,8 @@ fn luma([r, g, b]: [u8; 3]) -> u32 {
 /// as green as bright ones.
 fn greenness(colour: [u8; 3]) -> u32 {
     let [r, g, b] = colour.map(i32::from);
-    // Turquoise water has as much blue as green.
-    let excess = (2 * g - r - b).min(2 * (g - b)) * 110 / (luma(colour) as i32 + 40);
+    // Turquoise water has as much blue as green, and what is brown more red.
+    let excess = (2 * g - r - b).min(2 * (g - b)).min(4 * (g - r) + 40) * 110 / (luma(colour) as i32 + 40);
     ((excess - GREEN + 24) * 255 / 24).clamp(0, 255) as u32
 }
 

@@ -246,7 +246,7 @@ fn frames_are_the_same_on_every_machine() {
             }
         }
     }
-    assert_eq!(hash, 16_432_401_182_551_269_190, "if the picture was meant to change, this is its new hash");
+    assert_eq!(hash, 1, "if the picture was meant to change, this is its new hash");
 }
 
 #[test]
