@@ -107,7 +107,10 @@ struct Layer<L> {
 /// The 16 numbers from the one numbered `first` on.
 #[inline(always)]
 fn lanes_at<L: Lanes>(from: &[i16; LANES + 1], first: usize) -> L {
-    from[first..].first_chunk().map_or(L::splat(0), L::load)
+    match from[first..].first_chunk() {
+        Some(from) => L::load(from),
+        None => L::splat(0),
+    }
 }
 
 /// The lower and the upper byte.
@@ -128,6 +131,12 @@ fn between<L: Lanes>(from: L, to: L, share: L) -> L {
     from.plus(to.minus(from).times(share))
 }
 
+/// A channel of a leaf, in whole levels, over that of the wood.
+#[inline(always)]
+fn leaf_over<L: Lanes>(wood: L, level: L, gain: L, white: L, cover: L) -> L {
+    between(wood, level.up::<6>().times(gain).at_most(white), cover)
+}
+
 impl Fetched {
     /// Leaf over wood, of the pixels from the one numbered `first` on.
     #[inline(always)]
@@ -143,11 +152,13 @@ impl Fetched {
         let (wood, one) = (whole(wood), L::splat(i16::MAX));
         let lit = lit.up::<7>().times(wood);
         let white = L::splat(WHITE as i16);
-        let mut barks = bark.into_iter();
-        let colour = [red, green, blue].map(|level| {
-            let bark = L::splat(i16::from(barks.next().unwrap_or(0)) << 4).times(lit);
-            between(bark, level.up::<6>().times(gain).at_most(white), cover)
-        });
+        // A closure that stays on its own would be compiled without the instruction set: no `map` here and below.
+        let [bark_red, bark_green, bark_blue] = bark;
+        let colour = [
+            leaf_over(L::splat(i16::from(bark_red) << 4).times(lit), red, gain, white, cover),
+            leaf_over(L::splat(i16::from(bark_green) << 4).times(lit), green, gain, white, cover),
+            leaf_over(L::splat(i16::from(bark_blue) << 4).times(lit), blue, gain, white, cover),
+        ];
         Layer { colour, open: one.minus(wood).times(one.minus(cover)) }
     }
 }
@@ -156,8 +167,12 @@ impl<L: Lanes> Layer<L> {
     /// Over what is behind it.
     #[inline(always)]
     fn over(&self, behind: [L; 3]) -> [L; 3] {
-        let mut colours = self.colour.into_iter();
-        behind.map(|level| level.times(self.open).plus(colours.next().unwrap_or(L::splat(0))))
+        let ([red, green, blue], [behind_red, behind_green, behind_blue]) = (self.colour, behind);
+        [
+            behind_red.times(self.open).plus(red),
+            behind_green.times(self.open).plus(green),
+            behind_blue.times(self.open).plus(blue),
+        ]
     }
 
     /// Between this one and that a pixel to the right.
@@ -242,26 +257,16 @@ impl<'a> Moment<'a> {
     /// The background of a block, of which what is outside the row may be anything.
     #[inline(always)]
     fn behind<L: Lanes>(&self, start: usize) -> [L; 3] {
-        self.planes.background.each_ref().map(|plane| match plane[start..].first_chunk() {
-            Some(levels) => L::load_q7(levels).down::<3>(),
-            None => {
-                let mut levels = [0; LANES];
-                levels.iter_mut().zip(&plane[start..]).for_each(|(to, from)| *to = *from);
-                L::load_q7(&levels).down::<3>()
-            }
-        })
+        let [red, green, blue] = &self.planes.background;
+        [background(red, start), background(green, start), background(blue, start)]
     }
 
     /// What is behind the leaves of a photo, which moves with them, from the pixel numbered `first` on.
     #[inline(always)]
     fn moved<L: Lanes>(&self, sources: &[u32; LANES + 1], first: usize) -> [L; 3] {
-        self.planes.background.each_ref().map(|plane| {
-            let mut levels = [0; LANES];
-            for (level, &source) in levels.iter_mut().zip(&sources[first..]) {
-                *level = plane.get(source as usize).map_or(0, |&level| i16::from(level) << 4);
-            }
-            L::load(&levels)
-        })
+        let [red, green, blue] = &self.planes.background;
+        let sources = &sources[first..];
+        [gathered(red, sources), gathered(green, sources), gathered(blue, sources)]
     }
 
     /// A block of the tree, its leaves and what is behind them.
@@ -315,6 +320,27 @@ impl<'a> Moment<'a> {
     }
 }
 
+/// The block of a plane that begins at `start`.
+#[inline(always)]
+fn background<L: Lanes>(plane: &[u8], start: usize) -> L {
+    if let Some(levels) = plane[start..].first_chunk() {
+        return L::load_q7(levels).down::<3>();
+    }
+    let mut levels = [0; LANES];
+    levels.iter_mut().zip(&plane[start..]).for_each(|(to, from)| *to = *from);
+    L::load_q7(&levels).down::<3>()
+}
+
+/// A block of a plane's levels at `sources`.
+#[inline(always)]
+fn gathered<L: Lanes>(plane: &[u8], sources: &[u32]) -> L {
+    let mut levels = [0; LANES];
+    for (level, &source) in levels.iter_mut().zip(sources) {
+        *level = plane.get(source as usize).map_or(0, |&level| i16::from(level) << 4);
+    }
+    L::load(&levels)
+}
+
 /// Fractional bits of a place between two nodes.
 const PLACE_BITS: u32 = OFFSET_BITS + PITCH.trailing_zeros();
 
@@ -342,10 +368,13 @@ impl<L: Lanes> Iterator for Blocks<'_, L> {
         if self.airborne == 0 {
             return Some(colours);
         }
-        let mut planes = [[0; LANES]; 3];
-        planes.iter_mut().zip(colours).for_each(|(plane, levels)| levels.store(plane));
+        let ([red, green, blue], mut planes) = (colours, [[0; LANES]; 3]);
+        red.store(&mut planes[0]);
+        green.store(&mut planes[1]);
+        blue.store(&mut planes[2]);
         self.moment.paint_airborne(self.airborne, x, self.y, &mut planes);
-        Some(planes.each_ref().map(L::load))
+        let [red, green, blue] = &planes;
+        Some([L::load(red), L::load(green), L::load(blue)])
     }
 }
 
