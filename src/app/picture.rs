@@ -7,6 +7,7 @@ use crate::{
         autumn::{self, Autumn, Stage, Tree},
         fluid::{self, Base, Clip, Fluid, PrepareError, Source},
         kaleidoscope::{self, Kaleidoscope, Reference},
+        paint,
         shimmer::{self, Shimmer},
     },
     frame::{Size, pack::Levels},
@@ -170,10 +171,12 @@ impl Moment for PictureMoment<'_> {
     #[inline(always)]
     fn colours<L: Lanes>(&self, columns: Range<usize>, y: u32) -> impl Iterator<Item = [L; 3]> {
         match self {
+            // One kernel is part of every loop that paints; the others fill runs of levels first, or the program would hold each of
+            // them as often as there are loops, formats and instruction sets.
             Self::Shimmer(moment) => One::Shimmer(moment.colours(columns, y)),
-            Self::Kaleidoscope(moment) => One::Kaleidoscope(moment.colours(columns, y)),
-            Self::Autumn(moment) => One::Autumn(moment.colours(columns, y)),
-            Self::Fluid(moment) => One::Fluid(moment.colours(columns, y)),
+            Self::Kaleidoscope(moment) => One::Kaleidoscope(paint::Runs::new(moment, columns, y)),
+            Self::Autumn(moment) => One::Autumn(paint::Runs::new(moment, columns, y)),
+            Self::Fluid(moment) => One::Fluid(paint::Runs::new(moment, columns, y)),
         }
     }
 

@@ -300,7 +300,8 @@ pub(super) fn levels_of_blocks(moment: &impl Moment, x: usize, y: u32, levels: &
 }
 
 /// [`Moment::colours`] of an effect that computes its levels a run at a time.
-pub(super) struct Runs<'a, M: ?Sized, L> {
+#[derive(Debug)]
+pub struct Runs<'a, M: ?Sized, L> {
     moment: &'a M,
     y: u32,
     /// The columns that are still to be filled in.
@@ -313,7 +314,8 @@ pub(super) struct Runs<'a, M: ?Sized, L> {
 
 impl<'a, M: Moment + ?Sized, L> Runs<'a, M, L> {
     #[inline(always)]
-    pub(super) fn new(moment: &'a M, columns: Range<usize>, y: u32) -> Self {
+    /// From the column where `columns` starts on.
+    pub fn new(moment: &'a M, columns: Range<usize>, y: u32) -> Self {
         let columns = columns.start..columns.end.min(moment.size().width as usize);
         Self { moment, y, columns, planes: [[0; RUN]; 3], next: RUN, lanes: PhantomData }
     }

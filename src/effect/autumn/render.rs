@@ -390,6 +390,7 @@ impl effect::Moment for Moment<'_> {
         rows.contains(&(y as usize)).then(|| columns.clone()).into_iter()
     }
 
+    #[inline(never)]
     fn levels(&self, x: usize, y: u32, levels: &mut Levels<'_>) {
         effect::paint::levels_of_blocks(self, x, y, levels);
     }

@@ -55,6 +55,7 @@ impl effect::Moment for Moment<'_> {
         (start < end).then(|| start.into()..end.into()).into_iter()
     }
 
+    #[inline(never)]
     fn levels(&self, x: usize, y: u32, levels: &mut Levels<'_>) {
         paint::levels_of_blocks(self, x, y, levels);
     }

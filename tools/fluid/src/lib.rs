@@ -9,14 +9,17 @@
 //! video ──> motion, appearance ──> database ──> label ──> render ──> clip
 //! ```
 
+pub mod animate;
 pub mod appearance;
 pub mod args;
 pub mod commands;
 pub mod database;
+pub mod evaluate;
 pub mod features;
 pub mod footage;
 pub mod guidance;
 pub mod label;
+pub mod matte;
 pub mod motion;
 pub mod patch;
 pub mod plane;

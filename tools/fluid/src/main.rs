@@ -3,8 +3,10 @@
 use clap::Parser;
 use std::process::ExitCode;
 use yurameki_fluid::{
+    animate,
     args::{Args, Command},
     commands::{self, Failure},
+    evaluate,
 };
 
 fn main() -> ExitCode {
@@ -23,8 +25,7 @@ fn run(args: &Args) -> Result<(), Failure> {
         Command::Merge(args) => commands::merge(args),
         Command::Stats(args) => commands::stats(args),
         Command::Check(args) => commands::check(args),
-        Command::Animate(_) | Command::Evaluate(_) => {
-            Err("this build has no labelling and rendering yet".into())
-        }
+        Command::Animate(args) => animate::animate(args),
+        Command::Evaluate(args) => evaluate::evaluate(args),
     }
 }
