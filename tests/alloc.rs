@@ -14,11 +14,14 @@ use yurameki::{
     effect::{
         Photo,
         autumn::{self, Autumn, Species, Stage, Tree},
+        fluid::{self, Base, Clip, Fluid, Kind, Shape, Tint, View},
         kaleidoscope::{self, Kaleidoscope, Mode, Moving, Reference, Still, moving_storage_len},
         shimmer::{Range, Shimmer, storage_len},
     },
-    frame::{Layout, PixelFormat, Size},
+    frame::{Layout, PixelFormat, Rect, Rotation, Size},
     input::action::Action,
+    math::Factor,
+    os::clip::{self, ClipWriter},
 };
 
 struct Counting;
@@ -195,4 +198,42 @@ fn an_autumn_goes_through_its_season_without_the_heap() {
         }
     });
     assert_eq!(shown, 0, "a running autumn takes the heap");
+}
+
+#[test]
+fn a_clip_plays_from_its_file_without_the_heap() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for kind in [Kind::Luma, Kind::Colour] {
+        let path = folder.path().join("clip.yfl");
+        let (base, grid) = (Size::new(60, 40), Size::new(30, 20));
+        let shape = Shape { kind, millihertz: 25_000, step: 1, base, grid, rect: Rect::whole(base) };
+        let writer = ClipWriter::create(&path, &shape, &vec![90; 7_200], &vec![255; 600], &Tint::GREY);
+        let mut writer = writer.expect("a clip begins");
+        for frame in 0..9 {
+            let change: Vec<f32> =
+                (0..shape.values()).map(|i| (i * (frame + 3) % 61) as f32 - 30.0).collect();
+            writer.frame(&change).expect("a frame");
+        }
+        writer.finish().expect("a clip");
+        let clip = clip::open(&path).expect("it opens").expect("it is a clip");
+        let mut storage = vec![0; fluid::storage_len(clip.header(), SIZE, Rotation::None)];
+        let rgb = vec![90; SIZE.pixels() * 3];
+        let base = Base { size: SIZE, rgb: &rgb, view: View::whole(SIZE) };
+        let layout = Layout::new(SIZE, PixelFormat::Xrgb8888, None).expect("a good layout");
+        let mut memory = vec![0; memory_len(layout, Buffering::Double)];
+        let once: Clip<_> = clip.clone();
+        let prepared = calls(|| Fluid::prepare(once, base, Factor::ONE, &mut storage[..]).map(drop));
+        // What is dropped is the shared handle, which is still held.
+        assert_eq!(prepared, 0, "preparing takes the heap");
+
+        let mut fluid = Fluid::prepare(clip, base, Factor::ONE, &mut storage[..]).expect("enough storage");
+        let mut lent = Sim::new(&mut memory[..], layout, Buffering::Double, 0).expect("enough memory");
+        let mut show = Show::new(Life::default().drive, 12, 1);
+        let shown = calls(|| {
+            for _ in 0..200 {
+                assert_eq!(show.turn(&mut fluid, "a clip.yfl", &mut lent), Ok(()));
+            }
+        });
+        assert_eq!(shown, 0, "a running clip takes the heap");
+    }
 }

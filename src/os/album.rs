@@ -72,8 +72,7 @@ impl Album {
         };
         album.gather(config, state.as_ref().map(|state| &state.playlist));
         if album.playlist.is_empty() && typed {
-            let line =
-                "there is no photo in these folders; JPEG, PNG, WebP, GIF, BMP and TIFF files are shown";
+            let line = "there is no photo in these folders; JPEG, PNG, WebP, GIF, BMP and TIFF files are shown, and clips";
             return Err(Failure::new(line));
         }
         Ok((album, state))

@@ -61,7 +61,7 @@ pub enum Command {
 /// Arguments of `run`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Run {
-    /// Photos, and folders of photos; without any, those that the configuration names, else the built-in demo photo.
+    /// Photos, clips, and folders of them; without any, those that the configuration names, else the built-in demo photo.
     pub photos: Vec<PathBuf>,
     /// The configuration; /etc/yurameki/config.toml where nothing is said and that is there. What is said here goes before it.
     #[arg(long, value_name = "FILE")]
@@ -97,7 +97,7 @@ pub struct Run {
 /// Arguments of `render`.
 #[derive(Debug, clap::Args)]
 pub struct Render {
-    /// The photo; an autumn may do without one.
+    /// The photo, or a clip; an autumn may do without one.
     #[arg(required_unless_present = "effect", required_if_eq_any([("effect", "shimmer"), ("effect", "kaleidoscope")]))]
     pub photo: Option<PathBuf>,
     /// FILE.apng, .png, .gif, .webp or .y4m, a folder, or - for Y4M on standard output.

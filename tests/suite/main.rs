@@ -7,6 +7,8 @@ mod config;
 mod cross_geometry;
 mod display;
 #[cfg(feature = "os")]
+mod fluid;
+#[cfg(feature = "os")]
 mod goldens;
 #[cfg(feature = "os")]
 mod kaleidoscope;

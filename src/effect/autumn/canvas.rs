@@ -7,7 +7,6 @@ use super::{
     leaf::{self, Stencil},
     mount::Mount,
     noise::fbm,
-    scenery::HORIZON,
     space::ONE,
     species::Species,
     storage::Texel,
@@ -213,8 +212,8 @@ impl Bark {
         let rough = i64::from(fbm(around as i32, (up / 2) as i32, 4, self.seed));
         let mut level = ((58 + lit * 3 / 4) * ((1 << 15) + rough).max(1 << 13)) >> 15;
         if self.marks {
-            let mark = fbm((around / 10) as i32, up as i32, 2, self.seed ^ 1);
-            level = if mark > 11_000 { level / 4 } else { level * 5 / 4 + 20 };
+            let mark = fbm((around / 4) as i32, up as i32, 2, self.seed ^ 1);
+            level = if mark > 12_000 { level / 4 } else { level * 5 / 4 + 20 };
         }
         level.clamp(1, 255) as u8
     }
@@ -336,7 +335,7 @@ pub(super) fn strew(canvas: &mut Canvas<'_>, species: &Species, view: &View, ste
         };
         let (front, aside) = (bell(key), bell(!key));
         let foot = i64::from(root_y) + (i64::from(height) << SPOT_BITS) / 80;
-        let horizon = (i64::from(height) << SPOT_BITS) * i64::from(HORIZON + 1) / 256;
+        let horizon = (i64::from(height) << SPOT_BITS) * i64::from(species.scene.ground_top() + 1) / 256;
         let reach =
             if front < 0 { foot - horizon } else { ((i64::from(height) << SPOT_BITS) - foot) * 5 / 4 };
         let y = (foot + ((front * reach) >> 16)).max(horizon);

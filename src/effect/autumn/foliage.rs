@@ -25,7 +25,11 @@ pub(super) fn fill(texels: &mut [Texel], photo: Photo<'_>, mount: Mount, species
     let (width, height) = (photo.size.width as usize, mount.upright().height);
     let colours = photo.rgb.as_chunks::<3>().0;
     for (at, ((texel, &colour), &mask)) in texels.iter_mut().zip(colours).zip(photo.mask).enumerate() {
-        let cover = (u32::from(mask) * greenness(colour) / 255) as u8;
+        // What hardly moves, the middle of a broad leaf, turns all the same.
+        let mut cover = (u32::from(mask) * 3).min(255) * greenness(colour) / 255;
+        if cover > 0 {
+            cover = cover * deciduousness(colours, photo.size, at) / 255;
+        }
         *texel = Texel::default();
         if cover > 0 {
             let [x, y] = mount.pixel((at % width) as i32, (at / width) as i32);
@@ -34,7 +38,7 @@ pub(super) fn fill(texels: &mut [Texel], photo: Photo<'_>, mount: Mount, species
             let twig = ((cell >> (2 * LEAF_LEVELS)) as usize * species.twigs()) >> (2 * TWIG_LEVELS);
             texel.address = (twig as u16) << 4 | ((cell & 3) << 2 | detail(luma(colour), around)) as u16;
             texel.depth = *TREE_DEPTHS.start();
-            texel.cover = cover;
+            texel.cover = cover as u8;
             texel.shade = (luma(colour) * 128 / GREEN_LUMA).min(255) as u8;
         }
     }
@@ -48,25 +52,43 @@ fn luma([r, g, b]: [u8; 3]) -> u32 {
 /// as green as bright ones.
 fn greenness(colour: [u8; 3]) -> u32 {
     let [r, g, b] = colour.map(i32::from);
-    // Turquoise water has as much blue as green.
-    let excess = (2 * g - r - b).min(2 * (g - b)) * 110 / (luma(colour) as i32 + 40);
+    // Turquoise water has as much blue as green, and what is brown more red.
+    let excess = (2 * g - r - b).min(2 * (g - b)).min(4 * (g - r) + 40) * 110 / (luma(colour) as i32 + 40);
     ((excess - GREEN + 24) * 255 / 24).clamp(0, 255) as u32
 }
 
 /// How far from each other the pixels are of which the surroundings are the median, of the picture's shorter side.
 const SURROUNDINGS: u32 = 160;
 
+/// How far the foliage around a pixel is that of a tree that turns, 0..=255. The needles of conifers are dark and bluish; leaves
+/// have more red than blue.
+fn deciduousness(colours: &[[u8; 3]], size: Size, at: usize) -> u32 {
+    let green = around(colours, size, at).into_iter().filter(|&colour| greenness(colour) > 0);
+    let [r, g, b] = green.fold([0; 3], |sum, colour| core::array::from_fn(|i| sum[i] + i32::from(colour[i])));
+    // Of 256 of the green.
+    let warmth = (r - b) * 256 / g.max(1);
+    ((warmth - EVERGREEN) * 255 / 24).clamp(0, 255) as u32
+}
+
+/// What is no warmer than this is evergreen.
+const EVERGREEN: i32 = 24;
+
 /// The luma around the pixel numbered `at`: the median of nine, which keeps the edges of leaves.
 fn surroundings(colours: &[[u8; 3]], size: Size, at: usize) -> u32 {
+    let mut lumas = around(colours, size, at).map(luma);
+    *lumas.select_nth_unstable(4).1
+}
+
+/// Nine pixels, the one numbered `at` in their middle.
+fn around(colours: &[[u8; 3]], size: Size, at: usize) -> [[u8; 3]; 9] {
     let step = (size.width.min(size.height) / SURROUNDINGS).max(1) as i32;
     let (x, y) = ((at % size.width as usize) as i32, (at / size.width as usize) as i32);
-    let mut lumas: [u32; 9] = core::array::from_fn(|i| {
+    core::array::from_fn(|i| {
         let (across, down) = ((i % 3) as i32 - 1, (i / 3) as i32 - 1);
         let column = (x + across * step).clamp(0, size.width as i32 - 1);
         let row = (y + down * step).clamp(0, size.height as i32 - 1);
-        luma(colours[(row * size.width as i32 + column) as usize])
-    });
-    *lumas.select_nth_unstable(4).1
+        colours[(row * size.width as i32 + column) as usize]
+    })
 }
 
 /// The last symbol of a leaf's address: darker or brighter than what is `around`, a little or much.
@@ -85,11 +107,11 @@ fn cell(x: u32, y: u32, height: u32, around: u32, seed: u64) -> u32 {
     let bent = |at: i32, bits: u32, seed| {
         // An eighth of the height in waves of a sixth.
         let coarse = fbm(x * 6, y * 6, 3, seed) / 4;
-        // By a luma of 32, a tenth of the height.
-        let lit = around as i32 * 200;
-        // A hundredth of the height, most often less: the sum of two even spreads.
+        // By a luma of 64, a tenth of the height.
+        let lit = around as i32 * 100;
+        // A four hundredth of the height, most often less: the sum of two even spreads.
         let byte = |shift: u32| (grain >> (bits + shift)) as i32 & 0xff;
-        let scattered = (byte(0) - byte(8)) * 3;
+        let scattered = byte(0) - byte(8);
         (at + coarse + lit + scattered) as u32 & 0xffff
     };
     let (x, y) = (bent(x, 0, seed ^ 21), bent(y, 32, seed ^ 22));

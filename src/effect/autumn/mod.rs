@@ -146,7 +146,14 @@ impl<S: AsMut<[u64]>> Autumn<S> {
         let mount = Mount::new(size, settings.rotation);
         let view = View::fit(tree.species, settings.seed, mount.upright(), settings.azimuth);
         let spread = view.length(view.reach);
-        scenery::paint(planes.background, mount, view.root, spread, settings.seed);
+        scenery::paint(
+            planes.background.each_mut().map(|plane| &mut **plane),
+            mount,
+            tree.species.scene,
+            view.root,
+            spread,
+            settings.seed,
+        );
         paint_tree(&mut planes, mount, tree.species, view, settings);
         settle(&mut planes);
         let leaf_fall = settings.leaf_fall && !tree.species.evergreen;
@@ -165,7 +172,11 @@ impl<S: AsMut<[u64]>> Autumn<S> {
         mut storage: S,
     ) -> Result<Self, StorageTooSmall> {
         let mut planes = Planes::carve(photo.size, storage.as_mut())?;
-        planes.background.copy_from_slice(photo.rgb.as_chunks().0);
+        for (channel, plane) in planes.background.iter_mut().enumerate() {
+            let levels = photo.rgb.iter().skip(channel).step_by(3);
+            plane.iter_mut().zip(levels).for_each(|(to, from)| *to = *from);
+        }
+        assert_eq!(photo.rgb.len(), photo.size.pixels() * 3, "the photo's colours do not have its size");
         assert_eq!(photo.mask.len(), photo.size.pixels(), "the mask does not have the photo's size");
         let mount = Mount::new(photo.size, settings.rotation);
         foliage::fill(planes.texels, photo, mount, tree.species, settings.seed);

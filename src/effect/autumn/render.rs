@@ -7,20 +7,24 @@ use super::{
     plates::{CELLS, Light, STAGES},
     season::Now,
     species::MOST_TWIGS,
-    storage::{Planes, State, Texel},
+    storage::{ADDRESSES, Planes, State},
     sway::{self, OFFSET_BITS, PITCH},
 };
 use crate::{
-    effect::{self, RUN},
+    effect,
     frame::{
         Size,
-        pack::{Level, Levels},
+        pack::{Levels, WHITE},
         srgb,
     },
-    math::{Factor, Turns, mul_q15, random::scatter},
+    math::{
+        Factor, Turns,
+        lanes::{LANES, Lanes},
+        random::scatter,
+    },
     noise::drive::Drive,
 };
-use core::ops::Range;
+use core::{marker::PhantomData, ops::Range};
 
 /// An autumn at one moment.
 #[derive(Debug)]
@@ -78,69 +82,110 @@ pub(super) fn flutter(states: &mut [State], twigs: usize, drive: Drive) {
     }
 }
 
-/// A run of pixels on the way from addresses to levels. What is fetched pixel by pixel stays as it is stored; all arithmetic is on whole
-/// planes, in 16-bit lanes.
-struct Run {
-    /// Of the leaf: red, green, blue, 0.
-    colour: [u32; RUN],
-    /// A texel's shade, cover, bark and wood.
-    marks: [u32; RUN],
-    /// A state's two parts.
-    state: [u16; RUN],
-    /// How bright the leaf is, Q13.
-    gain: [i16; RUN],
-    /// How much of the pixel it covers, Q15.
-    cover: [i16; RUN],
-    /// How bright the wood is, Q15.
-    bark: [i16; RUN],
-    /// How much of the pixel it covers, Q15.
-    wood: [i16; RUN],
+/// A block of pixels on the way from addresses to colours, and the first of the next block. What is fetched pixel by pixel is kept in
+/// pairs of bytes, as it is stored; all arithmetic is in lanes.
+struct Fetched {
+    /// Of the leaf: red, then green.
+    red_green: [i16; LANES + 1],
+    blue: [i16; LANES + 1],
+    /// A texel's shade, then its cover.
+    leaf: [i16; LANES + 1],
+    /// How bright the wood is, then how much of the pixel it covers.
+    wood: [i16; LANES + 1],
+    /// How much of the leaf is there, then how bright it is.
+    state: [i16; LANES + 1],
+    /// How far the place is on its way to the next pixel, Q15.
+    share: [i16; LANES],
 }
 
-impl Run {
-    const EMPTY: Self = Self {
-        colour: [0; RUN],
-        marks: [0; RUN],
-        state: [0; RUN],
-        gain: [0; RUN],
-        cover: [0; RUN],
-        bark: [0; RUN],
-        wood: [0; RUN],
-    };
+/// What is before the background: its colour times how much it covers, and what it leaves of the background, Q15.
+struct Layer<L> {
+    colour: [L; 3],
+    open: L,
+}
 
-    /// Makes shares and gains of the first `count` marks and states.
-    #[inline(always)]
-    fn weigh(&mut self, count: usize) {
-        for i in 0..count {
-            let [shade, cover, bark, wood] = self.marks[i].to_le_bytes().map(i16::from);
-            let [there, gain] = self.state[i].to_le_bytes().map(i16::from);
-            // 128 of either is 1.
-            self.gain[i] = mul_q15(shade << 7, gain << 7);
-            self.cover[i] = mul_q15(whole(cover), whole(there));
-            self.bark[i] = bark << 7;
-            self.wood[i] = whole(wood);
-        }
+/// The 16 numbers from the one numbered `first` on.
+#[inline(always)]
+fn lanes_at<L: Lanes>(from: &[i16; LANES + 1], first: usize) -> L {
+    match from[first..].first_chunk() {
+        Some(from) => L::load(from),
+        None => L::splat(0),
     }
+}
 
-    /// A channel of the first pixels: leaf over wood over what is behind.
-    #[inline(always)]
-    fn layer(&self, channel: usize, bark: u8, behind: impl Iterator<Item = u8>, levels: &mut [Level]) {
-        let bark = i16::from(bark) << 4;
-        for (i, (level, behind)) in levels.iter_mut().zip(behind).enumerate() {
-            let behind = i16::from(behind) << 4;
-            let wood = mul_q15(bark, self.bark[i]);
-            let leaf = ((self.colour[i] >> (8 * channel)) & 0xff) as i16;
-            let leaf = mul_q15(leaf << 6, self.gain[i]).min(255 << 4);
-            let behind = behind + mul_q15(wood - behind, self.wood[i]);
-            *level = (behind + mul_q15(leaf - behind, self.cover[i])) as Level;
-        }
-    }
+/// The lower and the upper byte.
+#[inline(always)]
+fn bytes<L: Lanes>(pairs: L) -> [L; 2] {
+    let byte = L::splat(0xff);
+    [pairs.and(byte), pairs.down::<8>().and(byte)]
 }
 
 /// 0..=255 to 0..=1 in Q15, both ends exact to a step.
 #[inline(always)]
-const fn whole(share: i16) -> i16 {
-    (share << 7) | (share >> 1)
+fn whole<L: Lanes>(share: L) -> L {
+    share.up::<7>().or(share.down::<1>())
+}
+
+#[inline(always)]
+fn between<L: Lanes>(from: L, to: L, share: L) -> L {
+    from.plus(to.minus(from).times(share))
+}
+
+/// A channel of a leaf, in whole levels, over that of the wood.
+#[inline(always)]
+fn leaf_over<L: Lanes>(wood: L, level: L, gain: L, white: L, cover: L) -> L {
+    between(wood, level.up::<6>().times(gain).at_most(white), cover)
+}
+
+impl Fetched {
+    /// Leaf over wood, of the pixels from the one numbered `first` on.
+    #[inline(always)]
+    fn layer<L: Lanes>(&self, first: usize, bark: [u8; 3]) -> Layer<L> {
+        let [shade, cover] = bytes(lanes_at::<L>(&self.leaf, first));
+        let [lit, wood] = bytes(lanes_at::<L>(&self.wood, first));
+        let [there, gain] = bytes(lanes_at::<L>(&self.state, first));
+        let [red, green] = bytes(lanes_at::<L>(&self.red_green, first));
+        let blue = lanes_at::<L>(&self.blue, first);
+        // 128 of either is 1; the product is in Q13.
+        let gain = shade.up::<7>().times(gain.up::<7>());
+        let cover = whole(cover).times(whole(there));
+        let (wood, one) = (whole(wood), L::splat(i16::MAX));
+        let lit = lit.up::<7>().times(wood);
+        let white = L::splat(WHITE as i16);
+        // A closure that stays on its own would be compiled without the instruction set: no `map` here and below.
+        let [bark_red, bark_green, bark_blue] = bark;
+        let colour = [
+            leaf_over(L::splat(i16::from(bark_red) << 4).times(lit), red, gain, white, cover),
+            leaf_over(L::splat(i16::from(bark_green) << 4).times(lit), green, gain, white, cover),
+            leaf_over(L::splat(i16::from(bark_blue) << 4).times(lit), blue, gain, white, cover),
+        ];
+        Layer { colour, open: one.minus(wood).times(one.minus(cover)) }
+    }
+}
+
+impl<L: Lanes> Layer<L> {
+    /// Over what is behind it.
+    #[inline(always)]
+    fn over(&self, behind: [L; 3]) -> [L; 3] {
+        let ([red, green, blue], [behind_red, behind_green, behind_blue]) = (self.colour, behind);
+        [
+            behind_red.times(self.open).plus(red),
+            behind_green.times(self.open).plus(green),
+            behind_blue.times(self.open).plus(blue),
+        ]
+    }
+
+    /// Between this one and that a pixel to the right.
+    #[inline(always)]
+    fn towards(&self, next: &Self, share: L) -> Self {
+        Self { colour: blended(self.colour, next.colour, share), open: between(self.open, next.open, share) }
+    }
+}
+
+#[inline(always)]
+fn blended<L: Lanes>(from: [L; 3], to: [L; 3], share: L) -> [L; 3] {
+    let ([red, green, blue], [to_red, to_green, to_blue]) = (from, to);
+    [between(red, to_red, share), between(green, to_green, share), between(blue, to_blue, share)]
 }
 
 impl<'a> Moment<'a> {
@@ -152,59 +197,111 @@ impl<'a> Moment<'a> {
         Self { planes, mount: *mount, bark: *bark, is_photo: *is_photo, sprites, moving: moving.clone() }
     }
 
-    /// Where the pixels from (x, y) on are fetched from.
-    pub(super) fn sources(&self, x: usize, y: usize, sources: &mut [u32]) {
+    /// How the cell of the grid that holds pixel (x, y) bends, at that pixel: right and down, in steps of 2^-[`PLACE_BITS`] pixel,
+    /// and what is added a pixel.
+    #[inline(always)]
+    fn bent(&self, x: usize, y: usize) -> [[i32; 2]; 2] {
         let (columns, _) = sway::grid(self.planes.size);
+        let corner = y / PITCH * columns + x / PITCH;
+        let (right, down) = ((x % PITCH) as i32, (y % PITCH) as i32);
+        let side = |at: usize, axis: usize| {
+            let offset = |at: usize| i32::from(self.planes.nodes[at].offset[axis]);
+            offset(at) * PITCH as i32 + (offset(at + columns) - offset(at)) * down
+        };
+        [0, 1].map(|axis| {
+            let from = side(corner, axis);
+            let slope = (side(corner + 1, axis) - from) / PITCH as i32;
+            [from + slope * right, slope]
+        })
+    }
+
+    /// Where the pixels of the block at (x, y) are fetched from, and that to the right of them: to the left of the place by a share of a
+    /// pixel, Q15; up and down to the nearest row.
+    #[inline(always)]
+    pub(super) fn sources(&self, x: usize, y: usize) -> ([u32; LANES + 1], [i16; LANES]) {
+        let [[mut right, right_slope], [down, down_slope]] = self.bent(x, y);
         let width = self.planes.size.width as i32;
-        let (row, down) = (y / PITCH, (y % PITCH) as i32);
-        let node = |column: usize, axis: usize| {
-            let at = |row: usize| i32::from(self.planes.nodes[row * columns + column].offset[axis]);
-            at(row) * PITCH as i32 + (at(row + 1) - at(row)) * down
-        };
-        let mut done = 0;
-        while done < sources.len() {
-            let column = (x + done) / PITCH;
-            let right = (x + done) % PITCH;
-            let count = (PITCH - right).min(sources.len() - done);
-            let from = [0, 1].map(|axis| node(column, axis));
-            let slope = [0, 1].map(|axis| (node(column + 1, axis) - from[axis]) / PITCH as i32);
-            const ONE: u32 = OFFSET_BITS + PITCH.trailing_zeros();
-            let half = 1 << (ONE - 1);
-            let mut at = [0, 1].map(|axis| from[axis] + slope[axis] * right as i32 + half);
-            let start = (y as i32) * width + (x + done) as i32;
-            for (i, source) in sources[done..done + count].iter_mut().enumerate() {
-                *source = (start + i as i32 + (at[0] >> ONE) + (at[1] >> ONE) * width) as u32;
-                at = [at[0] + slope[0], at[1] + slope[1]];
+        let mut down = down + (1 << (PLACE_BITS - 1));
+        let start = y as i32 * width + x as i32;
+        let (mut sources, mut shares) = ([0; LANES + 1], [0; LANES]);
+        for (i, source) in sources.iter_mut().enumerate() {
+            *source = (start + i as i32 + (right >> PLACE_BITS) + (down >> PLACE_BITS) * width) as u32;
+            if let Some(share) = shares.get_mut(i) {
+                *share = ((right & ((1 << PLACE_BITS) - 1)) << (15 - PLACE_BITS)) as i16;
             }
-            done += count;
+            (right, down) = (right + right_slope, down + down_slope);
         }
+        (sources, shares)
     }
 
-    /// Fetches what the run shows: of each pixel its texel, and by its address a colour and a state.
-    fn fetch(&self, sources: &[u32], run: &mut Run) {
-        let (texels, colours, states) = (&*self.planes.texels, &*self.planes.colours, &*self.planes.states);
-        let last = texels.len() - 1;
-        let out = run.colour.iter_mut().zip(&mut run.marks).zip(&mut run.state);
-        for (((colour, marks), state), &source) in out.zip(sources) {
-            let texel: Texel = texels[(source as usize).min(last)];
-            *colour = colours[usize::from(texel.address)];
-            *marks = u32::from_le_bytes([texel.shade, texel.cover, texel.bark, texel.wood]);
+    /// Fetches what the block shows: of each pixel its texel, and by its address a colour and a state.
+    #[inline(always)]
+    fn fetch(&self, sources: &[u32; LANES + 1], share: [i16; LANES]) -> Fetched {
+        let none = [0; LANES + 1];
+        let mut fetched = Fetched { red_green: none, blue: none, leaf: none, wood: none, state: none, share };
+        let (texels, colours) = (&*self.planes.texels, self.planes.colours.first_chunk::<ADDRESSES>());
+        let states = self.planes.states.first_chunk::<{ 2 * MOST_TWIGS }>();
+        let (Some(colours), Some(states)) = (colours, states) else { return fetched };
+        for (i, &source) in sources.iter().enumerate() {
+            let Some(texel) = texels.get(source as usize) else { continue };
+            let colour = colours[usize::from(texel.address)];
             let State { there, gain } = states[usize::from(texel.depth) % (2 * MOST_TWIGS)];
-            *state = u16::from_le_bytes([there, gain]);
+            (fetched.red_green[i], fetched.blue[i]) = (colour as i16, (colour >> 16) as i16);
+            fetched.leaf[i] = i16::from_le_bytes([texel.shade, texel.cover]);
+            fetched.wood[i] = i16::from_le_bytes([texel.bark, texel.wood]);
+            fetched.state[i] = i16::from_le_bytes([there, gain]);
         }
-        run.weigh(sources.len());
+        fetched
     }
 
-    /// Paints the leaves in the air over the run.
-    fn sprites(&self, x: usize, y: u32, levels: &mut Levels<'_>) {
-        let (x, y, length) = (x as i32, y as i32, levels.red.len() as i32);
-        let touches = |sprite: &&Sprite| {
-            (sprite.rows.0..sprite.rows.1).contains(&y)
-                && sprite.columns.0 < x + length
-                && sprite.columns.1 > x
-        };
-        for sprite in self.sprites.iter().filter(touches) {
-            for column in sprite.columns.0.max(x)..sprite.columns.1.min(x + length) {
+    /// The background of a block, of which what is outside the row may be anything.
+    #[inline(always)]
+    fn behind<L: Lanes>(&self, start: usize) -> [L; 3] {
+        let [red, green, blue] = &self.planes.background;
+        [background(red, start), background(green, start), background(blue, start)]
+    }
+
+    /// What is behind the leaves of a photo, which moves with them, from the pixel numbered `first` on.
+    #[inline(always)]
+    fn moved<L: Lanes>(&self, sources: &[u32; LANES + 1], first: usize) -> [L; 3] {
+        let [red, green, blue] = &self.planes.background;
+        let sources = &sources[first..];
+        [gathered(red, sources), gathered(green, sources), gathered(blue, sources)]
+    }
+
+    /// A block of the tree, its leaves and what is behind them.
+    #[inline(always)]
+    fn block<L: Lanes>(&self, x: usize, y: usize) -> [L; 3] {
+        let start = y * self.planes.size.width as usize + x;
+        let span = self.planes.spans[y];
+        if x + LANES <= usize::from(span.start) || x >= usize::from(span.end) {
+            return self.behind(start);
+        }
+        let (sources, share) = self.sources(x, y);
+        let fetched = self.fetch(&sources, share);
+        let (here, next, share) =
+            (fetched.layer::<L>(0, self.bark), fetched.layer::<L>(1, self.bark), L::load(&fetched.share));
+        if self.is_photo {
+            let (here, next) = (here.over(self.moved(&sources, 0)), next.over(self.moved(&sources, 1)));
+            blended(here, next, share)
+        } else {
+            here.towards(&next, share).over(self.behind(start))
+        }
+    }
+
+    /// Those of the leaves in the air that reach row `y`, a bit each.
+    fn airborne(&self, y: u32) -> u64 {
+        let reaches = |sprite: &Sprite| (sprite.rows.0..sprite.rows.1).contains(&(y as i32));
+        self.sprites.iter().enumerate().map(|(i, sprite)| u64::from(reaches(sprite)) << i).sum()
+    }
+
+    /// Paints `leaves` in the air over the block at (x, y).
+    fn paint_airborne(&self, mut leaves: u64, x: usize, y: u32, planes: &mut [[i16; LANES]; 3]) {
+        let (x, y) = (x as i32, y as i32);
+        while leaves != 0 {
+            let sprite = &self.sprites[leaves.trailing_zeros() as usize];
+            leaves &= leaves - 1;
+            for column in sprite.columns.0.max(x)..sprite.columns.1.min(x + LANES as i32) {
                 let [across, down] = self.mount.pixel(column, y);
                 let cell = sprite.lens.cell(self.planes.stencil, across, down);
                 if cell.cover == 0 {
@@ -212,56 +309,94 @@ impl<'a> Moment<'a> {
                 }
                 let colour = self.planes.colours[usize::from(sprite.twig) << 4 | usize::from(cell.address)];
                 let cover = i32::from(cell.cover) + i32::from(cell.cover >> 7);
-                for (channel, plane) in levels.planes().into_iter().enumerate() {
+                for (channel, plane) in planes.iter_mut().enumerate() {
                     let level = &mut plane[(column - x) as usize];
                     let leaf =
                         (((colour >> (8 * channel) & 0xff) * u32::from(sprite.gain)) >> 3).min(4_080) as i32;
-                    *level = (i32::from(*level) + (((leaf - i32::from(*level)) * cover) >> 8)) as u16;
+                    *level = (i32::from(*level) + (((leaf - i32::from(*level)) * cover) >> 8)) as i16;
                 }
             }
         }
     }
 }
 
+/// The block of a plane that begins at `start`.
+#[inline(always)]
+fn background<L: Lanes>(plane: &[u8], start: usize) -> L {
+    if let Some(levels) = plane[start..].first_chunk() {
+        return L::load_q7(levels).down::<3>();
+    }
+    let mut levels = [0; LANES];
+    levels.iter_mut().zip(&plane[start..]).for_each(|(to, from)| *to = *from);
+    L::load_q7(&levels).down::<3>()
+}
+
+/// A block of a plane's levels at `sources`.
+#[inline(always)]
+fn gathered<L: Lanes>(plane: &[u8], sources: &[u32]) -> L {
+    let mut levels = [0; LANES];
+    for (level, &source) in levels.iter_mut().zip(sources) {
+        *level = plane.get(source as usize).map_or(0, |&level| i16::from(level) << 4);
+    }
+    L::load(&levels)
+}
+
+/// Fractional bits of a place between two nodes.
+const PLACE_BITS: u32 = OFFSET_BITS + PITCH.trailing_zeros();
+
+/// The colours of a run of blocks.
+struct Blocks<'a, L> {
+    moment: &'a Moment<'a>,
+    columns: Range<usize>,
+    y: u32,
+    /// Leaves in the air that the row touches.
+    airborne: u64,
+    lanes: PhantomData<L>,
+}
+
+impl<L: Lanes> Iterator for Blocks<'_, L> {
+    type Item = [L; 3];
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<[L; 3]> {
+        let x = self.columns.start;
+        if x >= self.columns.end {
+            return None;
+        }
+        self.columns.start += LANES;
+        let colours = self.moment.block::<L>(x, self.y as usize);
+        if self.airborne == 0 {
+            return Some(colours);
+        }
+        let ([red, green, blue], mut planes) = (colours, [[0; LANES]; 3]);
+        red.store(&mut planes[0]);
+        green.store(&mut planes[1]);
+        blue.store(&mut planes[2]);
+        self.moment.paint_airborne(self.airborne, x, self.y, &mut planes);
+        let [red, green, blue] = &planes;
+        Some([L::load(red), L::load(green), L::load(blue)])
+    }
+}
+
 impl effect::Moment for Moment<'_> {
+    #[inline(always)]
     fn size(&self) -> Size {
         self.planes.size
     }
 
+    #[inline(always)]
     fn moving(&self, y: u32) -> impl Iterator<Item = Range<usize>> {
         let [columns, rows] = &self.moving;
         rows.contains(&(y as usize)).then(|| columns.clone()).into_iter()
     }
 
     fn levels(&self, x: usize, y: u32, levels: &mut Levels<'_>) {
-        let count = levels.red.len();
-        let start = y as usize * self.planes.size.width as usize + x;
-        let behind = &self.planes.background[start..start + count];
-        let span = self.planes.spans[y as usize];
-        if x + count <= usize::from(span.start) || x >= usize::from(span.end) {
-            for (channel, plane) in levels.planes().into_iter().enumerate() {
-                plane
-                    .iter_mut()
-                    .zip(behind)
-                    .for_each(|(level, pixel)| *level = u16::from(pixel[channel]) << 4);
-            }
-        } else {
-            let mut sources = [0; RUN];
-            self.sources(x, y as usize, &mut sources[..count]);
-            let mut run = Run::EMPTY;
-            self.fetch(&sources[..count], &mut run);
-            for (channel, plane) in levels.planes().into_iter().enumerate() {
-                let bark = self.bark[channel];
-                if self.is_photo {
-                    let all = &*self.planes.background;
-                    let moved =
-                        sources[..count].iter().map(|&at| all[(at as usize).min(all.len() - 1)][channel]);
-                    run.layer(channel, bark, moved, plane);
-                } else {
-                    run.layer(channel, bark, behind.iter().map(|pixel| pixel[channel]), plane);
-                }
-            }
-        }
-        self.sprites(x, y, levels);
+        effect::paint::levels_of_blocks(self, x, y, levels);
+    }
+
+    #[inline(always)]
+    fn colours<L: Lanes>(&self, columns: Range<usize>, y: u32) -> impl Iterator<Item = [L; 3]> {
+        let columns = columns.start..columns.end.min(self.planes.size.width as usize);
+        Blocks { moment: self, columns, y, airborne: self.airborne(y), lanes: PhantomData }
     }
 }

@@ -1,40 +1,75 @@
-//! What is behind the tree: an autumn sky, misty hills, a meadow.
+//! What is behind the tree: sky, hills, a wood, water, and the ground that it stands on. Not in the paper.
+
+mod ground;
+mod scene;
+mod wood;
+
+pub(super) use scene::Scene;
 
 use super::{mount::Mount, noise::fbm};
 use crate::{frame::Size, math::random::scatter};
+use ground::Shadow;
+use scene::Hill;
 
-/// Colours down the sky, from the zenith to the horizon, sRGB, and where each is, of 256.
-const SKY: [(i32, [i32; 3]); 4] =
-    [(0, [112, 148, 186]), (110, [168, 188, 204]), (190, [226, 214, 196]), (256, [246, 222, 184])];
+/// The picture behind the tree while it is painted. Colours are in steps of 1/256 level.
+struct Backdrop<'a> {
+    /// Red, green and blue.
+    planes: [&'a mut [u8]; 3],
+    mount: Mount,
+    scene: &'static Scene,
+    width: i32,
+    height: i32,
+    seed: u64,
+}
 
-/// Hills, the farthest first: how high they rise, of 256 of the picture, and their colour.
-const HILLS: [(i32, i32, [i32; 3]); 3] =
-    [(34, 5, [196, 196, 190]), (22, 8, [168, 172, 160]), (11, 14, [132, 138, 116])];
-
-/// The meadow at the horizon and at the viewer's feet.
-const MEADOW: [[i32; 3]; 2] = [[146, 148, 100], [72, 84, 40]];
-
-/// Where the horizon is, of 256.
-pub(super) const HORIZON: i32 = 212;
-
-/// Paints the background.
-pub(super) fn paint(background: &mut [[u8; 3]], mount: Mount, root: [i32; 2], spread: i32, seed: u64) {
-    let Size { width, height } = mount.upright();
-    let (width, height) = (width as i32, height as i32);
-    let horizon = height * HORIZON / 256;
-    for y in 0..height {
-        for x in 0..width {
-            let colour = if y < horizon {
-                above(x, y, horizon, height, seed)
-            } else {
-                let shadow = shadow([(x << 8) - root[0], (y << 8) - root[1]], spread, height);
-                meadow(x, y, horizon, height, seed).map(|level| (level * (256 - shadow)) >> 8)
-            };
-            // Half a level of noise, so that the sky has no bands.
-            let grain = (scatter((y as u64) << 32 | x as u64) >> 56) as i32;
-            background[mount.index(x, y)] = colour.map(|level| ((level + grain) >> 8).clamp(0, 255) as u8);
+impl Backdrop<'_> {
+    fn set(&mut self, x: i32, y: i32, colour: [i32; 3]) {
+        // Half a level of noise, so that the sky has no bands.
+        let grain = (scatter((y as u64) << 32 | x as u64) >> 56) as i32;
+        let at = self.mount.index(x, y);
+        for (plane, level) in self.planes.iter_mut().zip(colour) {
+            plane[at] = ((level + grain) >> 8).clamp(0, 255) as u8;
         }
     }
+
+    /// Covers `share` of 256 of a pixel.
+    fn mix(&mut self, x: i32, y: i32, colour: [i32; 3], share: i32) {
+        let at = self.mount.index(x, y);
+        for (plane, level) in self.planes.iter_mut().zip(colour) {
+            let behind = i32::from(plane[at]) << 8;
+            let level = behind + (((level - behind) * share) >> 8);
+            plane[at] = ((level + 128) >> 8).clamp(0, 255) as u8;
+        }
+    }
+
+    fn get(&self, x: i32, y: i32) -> [i32; 3] {
+        let at = self.mount.index(x, y);
+        self.planes.each_ref().map(|plane| i32::from(plane[at]) << 8)
+    }
+}
+
+/// Paints the background for a tree of this `root` and `spread`, in steps of 1/256 pixel.
+pub(super) fn paint(
+    planes: [&mut [u8]; 3],
+    mount: Mount,
+    scene: &'static Scene,
+    root: [i32; 2],
+    spread: i32,
+    seed: u64,
+) {
+    let Size { width, height } = mount.upright();
+    let (width, height) = (width as i32, height as i32);
+    let mut backdrop = Backdrop { planes, mount, scene, width, height, seed };
+    for y in 0..height * scene.horizon / 256 + 1 {
+        for x in 0..width {
+            backdrop.set(x, y, above(&backdrop, x, y));
+        }
+    }
+    if let Some(wood) = &scene.wood {
+        wood::paint(&mut backdrop, wood);
+    }
+    paint_water(&mut backdrop);
+    ground::paint(&mut backdrop, Shadow { root, spread });
 }
 
 /// `from` to `to` by `share` of 256, in steps of 1/256 level.
@@ -42,58 +77,106 @@ fn blend(from: [i32; 3], to: [i32; 3], share: i32) -> [i32; 3] {
     core::array::from_fn(|i| from[i] * 256 + (to[i] - from[i]) * share)
 }
 
+/// [`blend`] of colours that are in steps of 1/256 level.
+fn mixed(from: [i32; 3], to: [i32; 3], share: i32) -> [i32; 3] {
+    core::array::from_fn(|i| from[i] + (((to[i] - from[i]) * share) >> 8))
+}
+
 /// A place of the picture for noise whose lattice points are `cells` to a picture's height.
 fn scaled(at: i32, cells: i32, height: i32) -> i32 {
     (i64::from(at) * i64::from(cells) * (1 << 16) / i64::from(height)) as i32
 }
 
-fn above(x: i32, y: i32, horizon: i32, height: i32, seed: u64) -> [i32; 3] {
-    for (hill, &(rise, rough, colour)) in HILLS.iter().enumerate().rev() {
-        let line = fbm(scaled(x, rough / 4 + 1, height), 0, 3, seed ^ (hill as u64 + 77));
-        // The tops of trees, the finer the farther.
-        let trees = fbm(scaled(x, rough * 8, height), 0, 3, seed ^ (hill as u64 + 99));
-        let line = horizon - height * rise / 256 - ((line * height / 256 * rise) >> 16);
-        if y > line - ((trees * height / 256 * rough / 8) >> 15) {
-            // Mist lies in the valleys.
-            let mist = ((y - line).max(0) * 256 * 8 / (height * rise / 32).max(1)).min(150);
-            return blend(colour, [222, 212, 192], mist);
+fn above(backdrop: &Backdrop<'_>, x: i32, y: i32) -> [i32; 3] {
+    let &Backdrop { scene, height, seed, .. } = backdrop;
+    let horizon = height * scene.horizon / 256;
+    // Nothing reaches higher than half of the sky.
+    let hills = scene.hills.iter().enumerate().rev().filter(|_| y > horizon / 3);
+    for (number, hill) in hills {
+        let line = ridge(hill, x, horizon, height, seed ^ (number as u64 + 77));
+        if y > line {
+            return slope(backdrop, hill, [x, y], line);
         }
     }
-    let at = y * 256 / horizon;
-    let after = SKY.iter().position(|&(place, _)| place > at).unwrap_or(SKY.len() - 1).max(1);
-    let ((low, from), (high, to)) = (SKY[after - 1], SKY[after]);
+    sky(backdrop, x, y, horizon)
+}
+
+/// Where a line of hills ends against the sky.
+fn ridge(hill: &Hill, x: i32, horizon: i32, height: i32, seed: u64) -> i32 {
+    let rise = height * hill.rise / 256;
+    if hill.peaks {
+        let noise = fbm(scaled(x, hill.rough, height) / 4, 0, 6, seed);
+        // Sharp where the noise crosses zero.
+        return horizon - rise
+            + ((noise.abs() * 2).min(1 << 15) as i64 * i64::from(rise) * 3 / 4 >> 15) as i32;
+    }
+    let line = fbm(scaled(x, hill.rough / 4 + 1, height), 0, 3, seed);
+    // The tops of trees.
+    let trees = fbm(scaled(x, hill.rough * 12, height), 0, 3, seed ^ 99);
+    let trees = (i64::from(trees) * i64::from(height * hill.rough / 1_400)) >> 15;
+    horizon - rise - ((i64::from(line) * i64::from(rise)) >> 16) as i32 - trees as i32
+}
+
+/// The side of a hill, `line` being its top in this column.
+fn slope(backdrop: &Backdrop<'_>, hill: &Hill, [x, y]: [i32; 2], line: i32) -> [i32; 3] {
+    let &Backdrop { scene, height, seed, .. } = backdrop;
+    let rise = (height * hill.rise / 256).max(1);
+    let below = y - line;
+    let mut colour = hill.colour;
+    if hill.peaks {
+        let rock = fbm(scaled(x + below / 2, 24, height), scaled(y, 12, height), 4, seed ^ 31);
+        // Snow down to a third of the mountain, farther in gullies; what faces the light is warm.
+        let foot = height * scene.horizon / 256 - rise * 5 / 8;
+        if y < foot + ((rock * (rise / 4)) >> 14) {
+            colour = if rock > -3_000 { [238, 226, 226] } else { [176, 182, 206] };
+        }
+        colour = colour.map(|level| level * (256 + rock / 420) / 256);
+    }
+    // Mist lies in the valleys.
+    let mist = (below * 256 / rise).min(if hill.peaks { 190 } else { 165 });
+    blend(colour, scene.mist, mist)
+}
+
+fn sky(backdrop: &Backdrop<'_>, x: i32, y: i32, horizon: i32) -> [i32; 3] {
+    let &Backdrop { scene, width, height, seed, .. } = backdrop;
+    let at = y * 256 / horizon.max(1);
+    let after = scene.sky.iter().position(|&(place, _)| place > at).unwrap_or(scene.sky.len() - 1).max(1);
+    let ((low, from), (high, to)) = (scene.sky[after - 1], scene.sky[after]);
     let sky = blend(from, to, (at - low) * 256 / (high - low));
-    // Thin clouds, wide and flat.
+    let (light, most) = scene.glow;
+    // Around a sun that is just out of sight, wider than high.
+    let (dx, dy) =
+        (i64::from(x - width / 6) * 256 / i64::from(width), i64::from(y - horizon) * 330 / i64::from(height));
+    let near = (200 - (dx * dx + dy * dy).isqrt()).max(0) as i32;
+    let sky = mixed(sky, light.map(|level| level * 256), near * near / 200 * most / 256);
+    // Thin clouds, wide and flat, lit from below by a low sun.
     let cloud = fbm(scaled(x, 2, height), scaled(y, 7, height), 5, seed ^ 5);
-    let share = (((cloud - 2_000).max(0) >> 6).min(130) * (256 - at / 2)) >> 8;
-    core::array::from_fn(|i| sky[i] + ((250 - i as i32 * 3) * 256 - sky[i]) * share / 256)
+    let share = (((cloud - 2_000).max(0) >> 6).min(scene.clouds) * (280 - at / 2)) >> 8;
+    let lit = blend([244, 244, 244], light, at.min(256));
+    mixed(sky, lit, share.min(256))
 }
 
-fn meadow(x: i32, y: i32, horizon: i32, height: i32, seed: u64) -> [i32; 3] {
-    let near = (y - horizon) * 256 / (height - horizon).max(1);
-    let base = blend(MEADOW[0], MEADOW[1], near);
-    // Far grass is fine and short, near grass coarse, longer, and leans to either side; one goes over into the other.
-    let lean = fbm(scaled(x, 24, height), scaled(y, 36, height), 3, seed ^ 14) >> 5;
-    let blades = |cells: i32, tall: i32, lean: i32, seed| {
-        fbm(scaled(x, cells, height) + lean * cells, scaled(y, cells / tall, height), 3, seed)
-    };
-    let (far, close) = (blades(260, 1, 0, seed ^ 11), blades(130, 2, lean, seed ^ 13));
-    let blades = (far * (256 - near) + close * near) >> 8;
-    // Patches lie in perspective: the same at any distance.
-    let depth = (1 << 24) / (near + 28);
-    let ground = |across: i64| ((across * i64::from(depth)) >> 14) as i32;
-    let patches = fbm(ground(i64::from(x) * 1_080 / i64::from(height)), depth, 4, seed ^ 12);
-    let light = 256 + ((blades * (44 + near / 3)) >> 15) + ((patches * 60) >> 15);
-    let dry = (patches >> 9).clamp(-30, 60);
-    [base[0] + dry * 256 / 2, base[1], base[2]].map(|level| (level * light) >> 8)
-}
-
-/// How dark the ground is under the tree, of 256.
-fn shadow([dx, dy]: [i32; 2], spread: i32, height: i32) -> i32 {
-    // The shadow lies flat, to the right of the tree.
-    let x = i64::from(dx - spread / 5) * 256 / i64::from(spread.max(1));
-    let y = i64::from(dy - height) * 256 / i64::from((spread / 6).max(1));
-    let distance = (x * x + y * y).isqrt().min(256) as i32;
-    let inside = 256 - distance;
-    inside * inside / 256 * 120 / 256
+/// Water between the horizon and the shore: all that is above it, upside down, torn by ripples.
+fn paint_water(backdrop: &mut Backdrop<'_>) {
+    let (width, height) = (backdrop.width, backdrop.height);
+    let (top, shore) = (height * backdrop.scene.horizon / 256, height * backdrop.scene.shore / 256);
+    let deep = (shore - top).max(1);
+    for y in top..shore {
+        let down = y - top;
+        for x in 0..width {
+            let ripple = fbm(
+                scaled(x, 10, height),
+                scaled(y, 260, height) / (1 + down * 2 / deep),
+                3,
+                backdrop.seed ^ 41,
+            );
+            // Seen aslant, more of the sky is in it the nearer it is.
+            let up = 1 + down * 2 + down * down / deep + ((ripple * (2 + down / 2)) >> 14);
+            let from = (top - up).clamp(0, top - 1);
+            let mirrored = backdrop.get(x, from);
+            let light = 232 + ((ripple * 26) >> 15);
+            let water = mixed(mirrored, [104 << 8, 124 << 8, 144 << 8], 50).map(|level| (level * light) >> 8);
+            backdrop.set(x, y, water);
+        }
+    }
 }

@@ -3,6 +3,7 @@
 use super::{
     lsystem::Rule,
     plates::STAGES,
+    scenery::Scene,
     space::{AffineMap, BITS, Matrix, ONE, PlaneMap},
     text::{Cursor, Fault, Number, SpeciesError},
 };
@@ -42,6 +43,8 @@ pub struct Species {
     pub(super) leaf: Vec<PlaneMap, MOST_LEAF_MAPS>,
     /// Keeps its leaves, and their colour.
     pub(super) evergreen: bool,
+    /// Where it stands.
+    pub(super) scene: &'static Scene,
     /// Chlorophyll, carotenoids and anthocyanins at each stage.
     pub(super) pigments: [[Number; STAGES]; 3],
 }
@@ -59,7 +62,7 @@ impl Species {
     /// Reads a species.
     ///
     /// # Errors
-    /// The pinest mistake in `text`, and where it is.
+    /// The first mistake in `text`, and where it is.
     pub fn parse(text: &str) -> Result<Self, SpeciesError> {
         let mut draft = Draft::default();
         for (line, number) in text.lines().zip(1..) {
@@ -119,6 +122,7 @@ impl Default for Draft {
             droop: Number::ZERO,
             leaf: Vec::new(),
             evergreen: false,
+            scene: Scene::usual(),
             // The maple's, measured by Ishikura (the paper's references 8 and 9) and fitted by eye.
             pigments: [[120, 100, 58, 20, 7, 3, 2], [55, 55, 58, 60, 56, 50, 45], [2, 2, 2, 3, 16, 70, 115]]
                 .map(|row| row.map(number)),
@@ -172,6 +176,11 @@ impl Draft {
                     .leaf
                     .push(map)
                     .map_err(|_| start.error(Fault::Expected("no more than four maps of a leaf")))?;
+            }
+            "scene" => {
+                let place = cursor;
+                species.scene =
+                    Scene::named(cursor.word()).ok_or(place.error(Fault::Expected(Scene::NAMES)))?;
             }
             "evergreen" => species.evergreen = true,
             "chlorophyll" => stages(&mut cursor, &mut species.pigments[0])?,

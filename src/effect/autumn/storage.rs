@@ -58,8 +58,8 @@ pub(super) struct Span {
 pub(super) struct Planes<'a> {
     pub(super) size: Size,
     pub(super) texels: &'a mut [Texel],
-    /// What is behind the tree, sRGB.
-    pub(super) background: &'a mut [[u8; 3]],
+    /// What is behind the tree, sRGB: red, green, blue.
+    pub(super) background: [&'a mut [u8]; 3],
     /// Where a row's texels are not empty.
     pub(super) spans: &'a mut [Span],
     /// The colour of every address, sRGB: red, green, blue, 0. Holds the leaves between the sun and each place while the tree is prepared.
@@ -79,7 +79,7 @@ pub(super) struct Planes<'a> {
 /// Words of 64 bits that an autumn of `size` needs: 11 bytes a pixel, and 0.5 MB for the tree.
 pub const fn storage_len(size: Size) -> usize {
     let picture =
-        words::<Texel>(size.pixels()) + words::<[u8; 3]>(size.pixels()) + words::<Span>(size.height as usize);
+        words::<Texel>(size.pixels()) + 3 * words::<u8>(size.pixels()) + words::<Span>(size.height as usize);
     let colours = words::<u32>(ADDRESSES) + words::<Light>(plates::STAGES * plates::CELLS);
     let twig = words::<Calendar>(MOST_TWIGS) + words::<u8>(MOST_TWIGS) + words::<[i16; 2]>(MOST_TWIGS);
     let stencil = words::<leaf::Cell>(leaf::SIDE * leaf::SIDE);
@@ -97,7 +97,11 @@ impl<'a> Planes<'a> {
         Some(Self {
             size,
             texels: take(memory, size.pixels())?,
-            background: take(memory, size.pixels())?,
+            background: [
+                take(memory, size.pixels())?,
+                take(memory, size.pixels())?,
+                take(memory, size.pixels())?,
+            ],
             spans: take(memory, size.height as usize)?,
             colours: take(memory, ADDRESSES)?,
             states: take(memory, 2 * MOST_TWIGS)?,

@@ -46,7 +46,7 @@ fn swing(blocks: &mut Blocks<'_>, weights: [[i32; 2]; 2], scratch: &mut Scratch<
     }
     for y in 0..height {
         read_bands(blocks, (y + 1).min(height - 1), fine[2], coarse[2]);
-        blocks.read(Words::Base, y, centre);
+        blocks.read(Words::Luma, y, centre);
         swing_of_row(
             [fine.each_ref(), coarse.each_ref()].map(|rows| rows.map(|row| &**row)),
             weights,
@@ -133,7 +133,7 @@ fn derivative_weights(radius: usize, wind: Turns) -> [i32; 2] {
 fn tent_blur(radius: usize, blocks: &mut Blocks<'_>, blur: Words, other: Words, scratch: &mut Scratch<'_>) {
     let ([row], sums) = scratch.rows();
     for y in 0..blocks.size.height as usize {
-        blocks.read(Words::Base, y, row);
+        blocks.read(Words::Luma, y, row);
         blur_row(radius, row, sums);
         blur_row(radius, row, sums);
         blocks.write(blur, y, row);

@@ -130,11 +130,11 @@ mod tests {
             let mut storage = vec![0; storage_len(size)];
             let Planes { mut blocks, mut scratch, .. } = Planes::carve(size, &mut storage).unwrap();
             for (y, row) in plane.chunks(width).enumerate() {
-                blocks.write(Words::Base, y, row);
+                blocks.write(Words::Luma, y, row);
             }
-            maximum(radius, &mut blocks, Words::Base, Words::SineU, &mut scratch);
+            maximum(radius, &mut blocks, Words::Luma, Words::SineU, &mut scratch);
             for (y, row) in plane.chunks_mut(width).enumerate() {
-                blocks.read(Words::Base, y, row);
+                blocks.read(Words::Luma, y, row);
             }
             prop_assert_eq!(plane, naive);
         }
