@@ -80,11 +80,7 @@ const BLOCK: usize = 8;
 
 pub(super) fn one(addresses: &[u16], table: &[Texel; ADDRESSES], levels: &mut Levels<'_>) {
     let (blocks, rest) = addresses.as_chunks::<BLOCK>();
-    let lanes = Texel::lanes(table);
-    // One channel at a time, straight from the table: a texel that is fetched whole would have to be taken apart.
-    let blocks = blocks.iter().map(|block| {
-        Texel::LANES.map(|lane| block.map(|address| lanes[usize::from(address) % ADDRESSES][lane]))
-    });
+    let blocks = blocks.iter().map(|block| take_apart(block.map(|address| colour(table, address))));
     let rest = rest.iter().map(|&address| colour(table, address));
     fill(blocks, rest, levels);
 }

@@ -3,7 +3,6 @@
 //! T[s1 … sM] is the mean colour over a square of 1/4^M of the photo's sides. All those squares are of one size, so the means around
 //! every place are found once: a colour is then one look-up, and there are no point samples that could sparkle.
 
-use super::address::ADDRESSES;
 use crate::effect::storage::{take, words};
 use crate::{
     effect::StorageTooSmall,
@@ -58,15 +57,6 @@ impl Texel {
     #[inline(always)]
     pub(super) const fn mean([a, b, c, d]: [Self; 4]) -> Self {
         Self((a.0 + b.0 + c.0 + d.0) >> 2 & LANES)
-    }
-
-    /// Where red, green and blue stand among the [`Self::lanes`].
-    pub(super) const LANES: [usize; 3] = if cfg!(target_endian = "big") { [3, 2, 1] } else { [0, 1, 2] };
-
-    /// The lanes of a table's texels, in the order of memory.
-    #[inline(always)]
-    pub(super) fn lanes(texels: &[Self; ADDRESSES]) -> &[[Level; 4]; ADDRESSES] {
-        bytemuck::cast_ref(texels)
     }
 
     /// The luma, in levels.
