@@ -9,7 +9,7 @@ use super::{
     dimmer::Dimmer,
     evdev::Keyboards,
     interrupt::{Interrupt, ReloadRequest},
-    loader::{Living, Loader},
+    loader::{Living, Loader, Order},
     panel::Panel,
     render,
     scene::{Colours, Way},
@@ -359,8 +359,15 @@ impl Running {
             Some((photo, path)) if *photo == id => Some(Colours::Chosen(path.clone())),
             _ => self.album.neighbour(id).map(Colours::Offered),
         };
-        let azimuth = self.orbit.azimuth();
-        self.loader.order(id, self.album.path(id), colours, self.way, azimuth, size, &self.config);
+        self.loader.order(Order {
+            id,
+            path: self.album.path(id),
+            colours,
+            way: self.way,
+            azimuth: self.orbit.azimuth(),
+            size,
+            config: Arc::clone(&self.config),
+        });
     }
 
     /// Shows a photo from now on.

@@ -34,6 +34,7 @@ mod shade;
 mod sliding;
 mod spans;
 mod storage;
+mod tent;
 
 #[cfg(test)]
 mod reference;
