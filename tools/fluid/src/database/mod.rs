@@ -1,0 +1,1 @@
+//! The database of videos: a catalogue, the frames, and what is known of every patch.

@@ -1,0 +1,3 @@
+//! The command line: see `yurameki-fluid --help`.
+
+fn main() {}

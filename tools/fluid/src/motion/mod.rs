@@ -1,0 +1,1 @@
+//! How patches move: optical flow, and its spectrum over time.

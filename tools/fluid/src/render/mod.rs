@@ -1,0 +1,1 @@
+//! The animation: the patches' changes over the picture, written as a clip.

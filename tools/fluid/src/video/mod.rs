@@ -1,0 +1,1 @@
+//! Reading videos and folders of frames, and whether they suit.
