@@ -111,8 +111,8 @@ fn swing(
 fn slopes(bands: [[&[i16]; 3]; 2], weights: [[i32; 2]; 2], out: &mut [i32]) {
     let last = out.len() - 1;
     out[0] = slope(bands, weights, [0, 0, 1.min(last)]);
-    for x in 1..last {
-        out[x] = slope(bands, weights, [x - 1, x, x + 1]);
+    for (i, out) in out.iter_mut().skip(1).take(last.saturating_sub(1)).enumerate() {
+        *out = slope(bands, weights, [i, i + 1, i + 2]);
     }
     out[last] = slope(bands, weights, [last.saturating_sub(1), last, last]);
 }
