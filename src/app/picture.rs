@@ -1,10 +1,11 @@
 //! A photo with the effect that was chosen for it.
 
 use crate::{
-    config::{EffectChoice, Life},
+    config::Life,
     effect::{
-        Effect, Moment, Photo, StorageTooSmall,
+        Effect, Moment, Photo,
         autumn::{self, Autumn, Stage, Tree},
+        fluid::{self, Base, Clip, Fluid, PrepareError, Source},
         kaleidoscope::{self, Kaleidoscope, Reference},
         shimmer::{self, Shimmer},
     },
@@ -14,24 +15,26 @@ use crate::{
 };
 use core::ops::Range;
 
-/// A photo that lives in one of the ways there are, in memory `S`.
+/// A photo that lives in one of the ways there are, in memory `S`; a clip comes from the source `C`.
 #[derive(Debug)]
 #[expect(
     clippy::large_enum_variant,
     reason = "there are three of them at the most, and the core has no heap to put one in"
 )]
-pub enum Picture<S> {
+pub enum Picture<S, C> {
     /// See [`shimmer`].
     Shimmer(Shimmer<S>),
     /// See [`kaleidoscope`].
     Kaleidoscope(Kaleidoscope<S>),
     /// See [`autumn`].
     Autumn(Autumn<S>),
+    /// See [`fluid`].
+    Fluid(Fluid<S, C>),
 }
 
 /// What a picture is made of.
-#[derive(Clone, Copy, Debug)]
-pub enum Subject<'a> {
+#[derive(Clone, Debug)]
+pub enum Subject<'a, C> {
     /// A photo that shimmers.
     Shimmer(Photo<'a>),
     /// A photo in the colours of another.
@@ -40,26 +43,34 @@ pub enum Subject<'a> {
     Foliage(Photo<'a>, Tree<'a>),
     /// A tree of the program's own, in pictures of this size.
     Tree(Size, Tree<'a>),
+    /// A clip on its base.
+    Clip(Base<'a>, Clip<C>),
 }
 
-impl<S: AsMut<[u64]>> Picture<S> {
-    /// Words of 64 bits that [`Self::prepare`] needs.
-    pub const fn storage_len(effect: EffectChoice, size: Size, life: &Life) -> usize {
-        match effect {
-            EffectChoice::Shimmer => shimmer::storage_len(size),
-            EffectChoice::Kaleidoscope => kaleidoscope::storage_len(size, &life.kaleidoscope),
-            EffectChoice::Autumn => autumn::storage_len(size),
+impl<C: Source> Subject<'_, C> {
+    /// Words of 64 bits that [`Picture::prepare`] needs for it.
+    pub const fn storage_len(&self, life: &Life) -> usize {
+        match self {
+            Self::Shimmer(photo) => shimmer::storage_len(photo.size),
+            Self::Kaleidoscope(photo, _) => kaleidoscope::storage_len(photo.size, &life.kaleidoscope),
+            Self::Foliage(Photo { size, .. }, _) | Self::Tree(size, _) => autumn::storage_len(*size),
+            Self::Clip(base, clip) => fluid::storage_len(clip.header(), base.size, base.view.rotation),
         }
     }
+}
 
-    /// Prepares `subject` in `storage`. `progress` is told how much of a kaleidoscope is coded, in per cent; other effects take no time
-    /// worth telling.
+impl<S: AsMut<[u64]>, C: Source> Picture<S, C> {
+    /// Prepares `subject` in `storage`, which must hold [`Subject::storage_len`] words. `progress` is told how much of a kaleidoscope is coded, in per cent; other effects take no time
+    /// worth telling. The strength of a shimmer is that of a clip too.
+    ///
+    /// # Errors
+    /// If there is less memory, or a clip is damaged.
     pub fn prepare(
-        subject: Subject<'_>,
+        subject: Subject<'_, C>,
         life: &Life,
         storage: S,
         progress: impl FnMut(u8),
-    ) -> Result<Self, StorageTooSmall> {
+    ) -> Result<Self, PrepareError> {
         Ok(match subject {
             Subject::Shimmer(photo) => Self::Shimmer(Shimmer::prepare(photo, &life.shimmer, storage)?),
             Subject::Kaleidoscope(photo, reference) => Self::Kaleidoscope(Kaleidoscope::prepare(
@@ -73,6 +84,9 @@ impl<S: AsMut<[u64]>> Picture<S> {
                 Self::Autumn(Autumn::prepare_photo(photo, tree, &life.autumn, storage)?)
             }
             Subject::Tree(size, tree) => Self::Autumn(Autumn::prepare(size, tree, &life.autumn, storage)?),
+            Subject::Clip(base, clip) => {
+                Self::Fluid(Fluid::prepare(clip, base, life.shimmer.strength, storage)?)
+            }
         })
     }
 
@@ -89,21 +103,24 @@ impl<S: AsMut<[u64]>> Picture<S> {
             Self::Shimmer(shimmer) => shimmer.into_storage(),
             Self::Kaleidoscope(kaleidoscope) => kaleidoscope.into_storage(),
             Self::Autumn(autumn) => autumn.into_storage(),
+            Self::Fluid(fluid) => fluid.into_storage(),
         }
     }
 }
 
-impl<S: AsMut<[u64]>> Effect for Picture<S> {
+impl<S: AsMut<[u64]>, C: Source> Effect for Picture<S, C> {
     type Moment<'a>
         = PictureMoment<'a>
     where
-        S: 'a;
+        S: 'a,
+        C: 'a;
 
     fn at(&mut self, drive: Drive) -> PictureMoment<'_> {
         match self {
             Self::Shimmer(shimmer) => PictureMoment::Shimmer(shimmer.at(drive)),
             Self::Kaleidoscope(kaleidoscope) => PictureMoment::Kaleidoscope(kaleidoscope.at(drive)),
             Self::Autumn(autumn) => PictureMoment::Autumn(autumn.at(drive)),
+            Self::Fluid(fluid) => PictureMoment::Fluid(fluid.at(drive)),
         }
     }
 }
@@ -117,6 +134,8 @@ pub enum PictureMoment<'a> {
     Kaleidoscope(kaleidoscope::Moment<'a>),
     /// Of an autumn.
     Autumn(autumn::Moment<'a>),
+    /// Of a clip.
+    Fluid(fluid::Moment<'a>),
 }
 
 impl Moment for PictureMoment<'_> {
@@ -125,6 +144,7 @@ impl Moment for PictureMoment<'_> {
             Self::Shimmer(moment) => moment.size(),
             Self::Kaleidoscope(moment) => moment.size(),
             Self::Autumn(moment) => moment.size(),
+            Self::Fluid(moment) => moment.size(),
         }
     }
 
@@ -133,6 +153,17 @@ impl Moment for PictureMoment<'_> {
             Self::Shimmer(moment) => One::Shimmer(moment.moving(y)),
             Self::Kaleidoscope(moment) => One::Kaleidoscope(moment.moving(y)),
             Self::Autumn(moment) => One::Autumn(moment.moving(y)),
+            Self::Fluid(moment) => One::Fluid(moment.moving(y)),
+        }
+    }
+
+    #[inline(always)]
+    fn fetch<L: Lanes>(&self, columns: Range<usize>, y: u32) {
+        match self {
+            Self::Shimmer(moment) => moment.fetch::<L>(columns, y),
+            Self::Kaleidoscope(moment) => moment.fetch::<L>(columns, y),
+            Self::Autumn(moment) => moment.fetch::<L>(columns, y),
+            Self::Fluid(moment) => moment.fetch::<L>(columns, y),
         }
     }
 
@@ -142,6 +173,7 @@ impl Moment for PictureMoment<'_> {
             Self::Shimmer(moment) => One::Shimmer(moment.colours(columns, y)),
             Self::Kaleidoscope(moment) => One::Kaleidoscope(moment.colours(columns, y)),
             Self::Autumn(moment) => One::Autumn(moment.colours(columns, y)),
+            Self::Fluid(moment) => One::Fluid(moment.colours(columns, y)),
         }
     }
 
@@ -151,18 +183,26 @@ impl Moment for PictureMoment<'_> {
             Self::Shimmer(moment) => moment.levels(x, y, levels),
             Self::Kaleidoscope(moment) => moment.levels(x, y, levels),
             Self::Autumn(moment) => moment.levels(x, y, levels),
+            Self::Fluid(moment) => moment.levels(x, y, levels),
         }
     }
 }
 
 /// What one of the effects gives.
-enum One<S, K, A> {
+enum One<S, K, A, F> {
     Shimmer(S),
     Kaleidoscope(K),
     Autumn(A),
+    Fluid(F),
 }
 
-impl<T, S: Iterator<Item = T>, K: Iterator<Item = T>, A: Iterator<Item = T>> Iterator for One<S, K, A> {
+impl<T, S, K, A, F> Iterator for One<S, K, A, F>
+where
+    S: Iterator<Item = T>,
+    K: Iterator<Item = T>,
+    A: Iterator<Item = T>,
+    F: Iterator<Item = T>,
+{
     type Item = T;
 
     #[inline(always)]
@@ -171,6 +211,7 @@ impl<T, S: Iterator<Item = T>, K: Iterator<Item = T>, A: Iterator<Item = T>> Ite
             Self::Shimmer(items) => items.next(),
             Self::Kaleidoscope(items) => items.next(),
             Self::Autumn(items) => items.next(),
+            Self::Fluid(items) => items.next(),
         }
     }
 }

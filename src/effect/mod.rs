@@ -5,6 +5,8 @@
 //! knows no device, file or clock.
 
 pub mod autumn;
+mod checksum;
+pub mod fluid;
 pub mod kaleidoscope;
 pub mod paint;
 pub mod shimmer;
@@ -42,6 +44,10 @@ pub trait Moment {
 
     /// The columns of row `y` that can differ from those of the moments before and after.
     fn moving(&self, y: u32) -> impl Iterator<Item = Range<usize>>;
+
+    /// Starts to fetch what the colours of these columns of row `y` are made of: they are painted soon.
+    #[inline(always)]
+    fn fetch<L: Lanes>(&self, _columns: Range<usize>, _y: u32) {}
 
     /// Fills `levels`, at most [`RUN`] of them, with the colours of the pixels from column `x` of row `y` on.
     fn levels(&self, x: usize, y: u32, levels: &mut Levels<'_>);

@@ -92,31 +92,38 @@ impl<M: Moment> Task for Frame<'_, '_, M> {
 impl<M: Moment> Frame<'_, '_, M> {
     #[inline(always)]
     fn rows<L: Lanes>(mut self, format: PixelFormat) {
+        match self.area {
+            Area::Moving => self.moving::<L>(format),
+            Area::Rect(rect) => {
+                for y in rect.rows() {
+                    let mut span = rect.columns();
+                    if !span.start.is_multiple_of(LANES) {
+                        span.start = self.end_of_block::<L>(span.clone(), y, format);
+                    }
+                    self.span::<L>(span, y, format);
+                }
+            }
+        }
+    }
+
+    /// Paints what moves, in whole blocks: the still pixels among them become what they are. While a span is painted, the next one is
+    /// fetched.
+    #[inline(always)]
+    fn moving<L: Lanes>(&mut self, format: PixelFormat) {
         let moment = self.moment;
         let Size { width, height } = moment.size();
-        let width = width as usize;
-        let rows = match self.area {
-            Area::Moving => 0..height,
-            Area::Rect(rect) => rect.rows(),
-        };
-        for y in rows {
-            let rect = match self.area {
-                Area::Moving => None,
-                Area::Rect(rect) => Some(rect.columns()),
-            };
-            let moving = rect.is_none().then(|| {
-                // Whole blocks: the still pixels among them become what they are.
-                let whole = |span: Range<usize>| {
-                    span.start / LANES * LANES..span.end.next_multiple_of(LANES).min(width)
-                };
-                moment.moving(y).map(whole)
-            });
-            for mut span in rect.into_iter().chain(moving.into_iter().flatten()) {
-                if !span.start.is_multiple_of(LANES) {
-                    span.start = self.end_of_block::<L>(span.clone(), y, format);
+        let mut last: Option<(Range<usize>, u32)> = None;
+        for y in 0..height {
+            for span in moment.moving(y) {
+                let whole = span.start / LANES * LANES..span.end.next_multiple_of(LANES).min(width as usize);
+                moment.fetch::<L>(whole.clone(), y);
+                if let Some((span, y)) = last.replace((whole, y)) {
+                    self.span::<L>(span, y, format);
                 }
-                self.span::<L>(span, y, format);
             }
+        }
+        if let Some((span, y)) = last {
+            self.span::<L>(span, y, format);
         }
     }
 
@@ -196,6 +203,11 @@ impl<M: Moment> Moment for Dimmed<'_, M> {
     #[inline(always)]
     fn moving(&self, y: u32) -> impl Iterator<Item = Range<usize>> {
         self.moment.moving(y)
+    }
+
+    #[inline(always)]
+    fn fetch<L: Lanes>(&self, columns: Range<usize>, y: u32) {
+        self.moment.fetch::<L>(columns, y);
     }
 
     fn levels(&self, x: usize, y: u32, levels: &mut Levels<'_>) {

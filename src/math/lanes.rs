@@ -45,6 +45,8 @@ pub trait Lanes: Copy {
     fn up<const BITS: i32>(self) -> Self;
     /// Shifted to the right, with the sign.
     fn down<const BITS: i32>(self) -> Self;
+    /// The low `BITS` bits, beneath `upper` shifted to the left by as many.
+    fn beneath<const BITS: i32>(self, upper: Self) -> Self;
     /// Starts to fetch the memory `bytes` after the start of `at`, `size_of::<T>()` of it, into the cache, if it is any.
     fn fetch<T>(at: &T, bytes: usize);
 }
@@ -146,7 +148,17 @@ impl Lanes for Plain {
     }
 
     #[inline(always)]
+    fn beneath<const BITS: i32>(self, upper: Self) -> Self {
+        core::array::from_fn(|i| upper[i] << BITS | self[i] & low_bits(BITS))
+    }
+
+    #[inline(always)]
     fn fetch<T>(_: &T, _: usize) {}
+}
+
+/// A number with only its low `bits` bits set, fewer than 16.
+const fn low_bits(bits: i32) -> i16 {
+    (1 << bits) - 1
 }
 
 /// Runs `task` with the widest lanes of this machine.
@@ -326,6 +338,11 @@ mod x86_64 {
         }
 
         #[inline(always)]
+        fn beneath<const BITS: i32>(self, upper: Self) -> Self {
+            upper.up::<BITS>().or(self.and(Self::splat(super::low_bits(BITS))))
+        }
+
+        #[inline(always)]
         fn fetch<T>(at: &T, bytes: usize) {
             fetch(at, bytes);
         }
@@ -404,6 +421,11 @@ mod x86_64 {
         #[inline(always)]
         fn down<const BITS: i32>(self) -> Self {
             Self(self.0.map(|half| unsafe { _mm_srai_epi16::<BITS>(half) }))
+        }
+
+        #[inline(always)]
+        fn beneath<const BITS: i32>(self, upper: Self) -> Self {
+            upper.up::<BITS>().or(self.and(Self::splat(super::low_bits(BITS))))
         }
 
         #[inline(always)]
@@ -490,6 +512,13 @@ mod neon {
         }
 
         #[inline(always)]
+        fn beneath<const BITS: i32>(self, upper: Self) -> Self {
+            Self(unsafe {
+                [vsliq_n_s16::<BITS>(self.0[0], upper.0[0]), vsliq_n_s16::<BITS>(self.0[1], upper.0[1])]
+            })
+        }
+
+        #[inline(always)]
         fn fetch<T>(_: &T, _: usize) {}
     }
 }
@@ -513,7 +542,16 @@ mod tests {
         fn run<L: Lanes>(self) -> Self::Output {
             let [a, b, c] = self.blocks.each_ref().map(L::load);
             let made = [L::splat(self.blocks[0][0]), L::load_q7(self.bytes), a.up::<3>(), a.down::<8>()];
-            let of_two = [a.plus(b), a.minus(b), a.times(b), a.at_least(b), a.at_most(b), a.and(b), a.or(b)];
+            let of_two = [
+                a.plus(b),
+                a.minus(b),
+                a.times(b),
+                a.at_least(b),
+                a.at_most(b),
+                a.and(b),
+                a.or(b),
+                a.beneath::<11>(b),
+            ];
             let words = made.into_iter().chain(of_two).map(|lanes| {
                 let mut words = [0; LANES];
                 lanes.store(&mut words);

@@ -3,15 +3,9 @@
 use super::{
     Failure, caption,
     config::Config,
-    scene::{self, Colours, Scene, Source, Way},
+    scene::{self, Colours, Picture, Scene, Source, Way},
 };
-use crate::{
-    app::{Picture, playlist::PhotoId},
-    config::EffectChoice,
-    frame::Size,
-    math::Turns,
-    noise::drive,
-};
+use crate::{app::playlist::PhotoId, config::EffectChoice, frame::Size, math::Turns, noise::drive};
 use std::{
     fmt,
     path::PathBuf,
@@ -29,7 +23,7 @@ pub(super) struct Living {
     /// What the information says of it.
     pub(super) caption: String,
     pub(super) size: Size,
-    pub(super) picture: Picture<Vec<u64>>,
+    pub(super) picture: Picture,
     /// How it lives.
     pub(super) way: Way,
     /// The photo whose colours a kaleidoscope was asked to take.

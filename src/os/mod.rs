@@ -9,6 +9,7 @@ pub mod autumn;
 pub mod backlight;
 pub mod board;
 mod caption;
+pub mod clip;
 pub mod config;
 mod config_command;
 pub mod config_file;

@@ -15,7 +15,6 @@ use crate::{
     effect::{
         Effect, Moment,
         kaleidoscope::{Moving, Reference, Still, moving_storage_len},
-        shimmer::{Shimmer, storage_len},
     },
     math::{Factor, smoothstep},
     noise::drive::{Drive, Oscillator},
@@ -34,13 +33,13 @@ pub(super) fn film(args: &args::Render, motion: Motion) -> Result<(), Failure> {
     }
 }
 
-/// The photo shimmers as it does without a kaleidoscope: what its mask leaves still stays the photo.
+/// The photo shimmers as it does without a kaleidoscope: what its mask leaves still stays the photo. A clip plays.
 fn of_shimmer(args: &args::Render, path: &Path, config: &Config) -> Result<(), Failure> {
     let mode = config.plain_look().life.kaleidoscope.mode;
     let way = Way { effect: EffectChoice::Shimmer, mode };
     let scene = Scene::load_as(Source::File(path), None, Some(way), args.size, config)?;
     let life = scene.look().life.at(args.fps);
-    let mut shimmer = Shimmer::prepare(scene.photo(), &life.shimmer, vec![0; storage_len(args.size)])?;
+    let mut shimmer = scene.prepare(&life, Vec::new(), |_| ())?;
     let mut oscillator = Oscillator::new(life.drive, args.look.seed.unwrap_or(config.seed));
     let photo = Still { size: args.size, rgb: scene.photo().rgb };
     let mut frame = 0;

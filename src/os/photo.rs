@@ -5,7 +5,7 @@
 //! A photo is JPEG, PNG, WebP, GIF (of animations the first frame), BMP or TIFF, told by its content and never by its name,
 //! of 8 or 16 bits or floating point, colour or grey, with or without transparency. Its EXIF orientation (1 to 8) is
 //! applied, an embedded ICC profile of three primaries or of grey is converted to sRGB, and it is resampled in linear light.
-//! JPEG XL is, with the cargo feature `jxl`. HEIC, AVIF and camera RAW are recognised and **not** supported.
+//! JPEG XL is, with the cargo feature `jxl`. Of a clip ([`crate::os::clip`]) it is the base. HEIC, AVIF and camera RAW are recognised and **not** supported.
 //!
 //! Memory: the size is read from the header first, and a photo over the [`Limits`] is refused before memory is taken. A JPEG
 //! that is twice as large as its place on the panel, or more, is shrunk to a half, a quarter or an eighth while it is decoded.
@@ -33,6 +33,7 @@ pub(super) use folder::{Found, find};
 pub use folder::{list, list_telling};
 pub use mask::{load_mask, mask_from_bytes, mask_path};
 
+use super::clip;
 use crate::frame::{
     Layout, Rect, Size,
     resample::{resample, storage_len},
@@ -40,7 +41,7 @@ use crate::frame::{
 };
 use decode::Decoded;
 use fit::Placement;
-use std::path::Path;
+use std::{fs::File, path::Path};
 
 /// A photo as the panel shows it.
 #[derive(Clone, Debug)]
@@ -57,6 +58,13 @@ pub struct Photo {
     pub fit: Fit,
     /// The name of the file, for messages.
     pub name: String,
+}
+
+impl Photo {
+    /// The shares of its width and height, as fractions, that are shown: its middle.
+    pub fn shown(&self) -> [(u64, u64); 2] {
+        Placement::new(self.source_size, self.size, self.fit).shown()
+    }
 }
 
 /// How photos are loaded.
@@ -103,7 +111,7 @@ impl Default for Limits {
 pub fn load(path: &Path, options: &Options) -> Result<Photo, PhotoError> {
     let named = |fault| PhotoError::new(&path.to_string_lossy(), fault);
     let decoded = {
-        let bytes = file::read(path, options.limits.bytes).map_err(named)?;
+        let bytes = content(path, options.limits.bytes)?;
         decode_for(&bytes, options).map_err(named)?
     };
     Ok(place(&path.to_string_lossy(), decoded, options))
@@ -127,7 +135,7 @@ pub fn load_within(path: &Path, bounds: Size, limits: &Limits) -> Result<Photo, 
     let name = path.to_string_lossy();
     let named = |fault| PhotoError::new(&name, fault);
     check_panel(bounds).map_err(named)?;
-    let bytes = file::read(path, limits.bytes).map_err(named)?;
+    let bytes = content(path, limits.bytes)?;
     let decoded = decode::decode(&bytes, limits, |size| size.within(bounds)).map_err(named)?;
     drop(bytes);
     let size = decoded.oriented_size().within(bounds);
@@ -153,6 +161,20 @@ fn check_panel(size: Size) -> Result<(), Fault> {
 /// As [`load`].
 pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>, PhotoError> {
     file::read(path, limit).map_err(|fault| PhotoError::new(&path.to_string_lossy(), fault))
+}
+
+/// The bytes of the photo at `path`, at the most `limit`: those of a clip are those of its base.
+fn content(path: &Path, limit: u64) -> Result<Vec<u8>, PhotoError> {
+    let named = |fault| PhotoError::new(&path.to_string_lossy(), fault);
+    match clip::open(path)? {
+        Some(clip) => clip::picture(&clip, limit).map_err(named),
+        None => read(path, limit),
+    }
+}
+
+/// Opens the file at `path`. Only regular files are opened, and nothing blocks.
+pub(super) fn open_regular(path: &Path) -> Result<File, PhotoError> {
+    file::open(path).map_err(|fault| PhotoError::new(&path.to_string_lossy(), fault))
 }
 
 /// Resamples a photo to its place on the panel and fills the border.

@@ -7,11 +7,11 @@ use super::{
     moving,
     output::{FrameHash, Target, Writer},
     progress::Progress,
-    scene::{Scene, Source},
+    scene::{Picture, Scene, Source},
     stdout::print_line,
 };
 use crate::{
-    app::{Picture, Show},
+    app::Show,
     display::sim::{self, Buffering, Sim},
     frame::Layout,
 };

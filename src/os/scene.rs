@@ -4,16 +4,18 @@ use super::{
     Failure,
     args::MaskChoice,
     autumn, caption,
+    clip::{self, ClipFile},
     config::{Config, Look},
     once::once,
     photo,
 };
 use crate::{
-    app::{Picture, Subject},
+    app::{self, Subject},
     config::{EffectChoice, Life},
     effect::{
         Photo,
         autumn::{Plates, Species, Tree},
+        fluid::{Base, Clip, ClipError, View},
         kaleidoscope::{Mode, Reference},
         shimmer::automatic_mask::{HARDLY_ANYTHING_PER_MILLE, automatic_mask, moving_per_mille, scratch_len},
     },
@@ -22,6 +24,9 @@ use crate::{
 };
 use log::Level;
 use std::path::{Path, PathBuf};
+
+/// A photo or a clip that lives.
+pub type Picture = app::Picture<Vec<u64>, ClipFile>;
 
 /// Which photo.
 #[derive(Clone, Copy, Debug)]
@@ -83,6 +88,8 @@ pub struct Scene {
     /// Where the photo is whose colours were asked for; one that is bad is not the `reference`.
     colours: Option<PathBuf>,
     tree: Option<Grove>,
+    /// The clip whose base the photo is, where it plays.
+    clip: Option<(Clip<ClipFile>, View)>,
 }
 
 /// What an autumn is made of.
@@ -137,6 +144,10 @@ impl Scene {
             Source::File(path) => photo::load(path, &options)?,
             Source::Demo => photo::from_bytes("the demo photo", DEMO, &options)?,
         };
+        let clip = match (source, look.effect) {
+            (Source::File(path), EffectChoice::Shimmer) => load_clip(path, &photo, rotation)?,
+            _ => None,
+        };
         let colours = match (colours, &look.reference) {
             _ if look.effect != EffectChoice::Kaleidoscope => None,
             (Some(Colours::Offered(_)) | None, Some(written)) => Some(written.clone()),
@@ -144,6 +155,8 @@ impl Scene {
             (None, None) => None,
         };
         let (mask, reference) = match look.effect {
+            // It has its own.
+            _ if clip.is_some() => (vec![0; upright.pixels()], None),
             EffectChoice::Shimmer | EffectChoice::Autumn => {
                 (choose_mask(source, &photo, &look, &options.limits)?, None)
             }
@@ -170,7 +183,7 @@ impl Scene {
         let grove = || Grove::load(&look, matches!(source, Source::File(_)));
         let tree = (look.effect == EffectChoice::Autumn).then(grove).transpose()?;
         if rotation == Rotation::None {
-            return Ok(Self { caption, size, rgb: photo.rgb, mask, look, reference, colours, tree });
+            return Ok(Self { caption, size, rgb: photo.rgb, mask, look, reference, colours, tree, clip });
         }
         let (mut rgb, mut turned_mask) = (vec![[0; 3]; size.pixels()], vec![0; size.pixels()]);
         rotate(rotation, photo.rgb.as_chunks::<3>().0, upright, &mut rgb);
@@ -184,6 +197,7 @@ impl Scene {
             reference,
             colours,
             tree,
+            clip,
         })
     }
 
@@ -212,26 +226,26 @@ impl Scene {
         self.tree.as_ref().is_some_and(|grove| !grove.in_photo)
     }
 
-    /// The photo with the effect that was chosen for it, which lives as `life` says. `progress` is told how much of a kaleidoscope is
+    /// The photo with the effect that was chosen for it, or the clip, which lives as `life` says. `progress` is told how much of a kaleidoscope is
     /// coded, in per cent.
     ///
     /// # Errors
-    /// If there is less memory than that takes.
+    /// If there is less memory than that takes, or a clip is damaged.
     pub fn prepare(
         &self,
         life: &Life,
         mut storage: Vec<u64>,
         progress: impl FnMut(u8),
-    ) -> Result<Picture<Vec<u64>>, Failure> {
+    ) -> Result<Picture, Failure> {
         let effect = self.look.effect;
-        let needed = Picture::<Vec<u64>>::storage_len(effect, self.size, life);
-        storage.try_reserve_exact(needed.saturating_sub(storage.len()))?;
-        storage.resize(needed, 0);
         // Without another, a photo gives its own colours.
         let own = Reference { size: self.size, rgb: &self.rgb };
         let reference =
             self.reference.as_ref().map_or(own, |other| Reference { size: other.size, rgb: &other.rgb });
         let subject = match (effect, &self.tree) {
+            _ if let Some((clip, view)) = &self.clip => {
+                Subject::Clip(Base { size: self.size, rgb: &self.rgb, view: *view }, clip.clone())
+            }
             (EffectChoice::Autumn, Some(grove)) if grove.in_photo => {
                 Subject::Foliage(self.photo(), grove.tree())
             }
@@ -239,6 +253,9 @@ impl Scene {
             (EffectChoice::Kaleidoscope, _) => Subject::Kaleidoscope(self.photo(), reference),
             (EffectChoice::Shimmer | EffectChoice::Autumn, _) => Subject::Shimmer(self.photo()),
         };
+        let needed = subject.storage_len(life);
+        storage.try_reserve_exact(needed.saturating_sub(storage.len()))?;
+        storage.resize(needed, 0);
         Ok(Picture::prepare(subject, life, storage, progress)?)
     }
 
@@ -257,6 +274,22 @@ pub(super) fn turned(mut life: Life, rotation: Rotation) -> Life {
     life.kaleidoscope.rotation = rotation;
     life.autumn.rotation = rotation;
     life
+}
+
+/// The clip at `path`, if it is one, whose base is `photo`. A clip plays wherever a photo would shimmer; for every other effect it is the photo that
+/// its base is.
+fn load_clip(
+    path: &Path,
+    photo: &photo::Photo,
+    rotation: Rotation,
+) -> Result<Option<(Clip<ClipFile>, View)>, photo::PhotoError> {
+    let Some(clip) = clip::open(path)? else { return Ok(None) };
+    if clip.header().shape.base != photo.source_size {
+        let fault = photo::Fault::Clip(ClipError::Picture(photo.source_size));
+        return Err(photo::PhotoError::new(&photo.name, fault));
+    }
+    let view = View { rotation, picture: photo.picture, shown: photo.shown() };
+    Ok(Some((clip, view)))
 }
 
 /// A reference is looked at no more closely than this.

@@ -94,7 +94,7 @@ fn swing(
             .zip(coarse)
             .for_each(|((q, &fine), &coarse)| *q = fine.wrapping_add(coarse).into());
         let shares = evened(p, &q);
-        let luma = block.words[Words::Base as usize];
+        let luma = block.words[Words::Luma as usize];
         for i in 0..LANES {
             let share = shares[i] as i32;
             let quadrature = ((q[i] * share) >> 14) as i16;

@@ -3,22 +3,24 @@
 //! Heights are luma levels in Q7. They are left in the words of the v slopes that [`super::relief`] makes of them.
 
 use super::{
+    super::Photo,
     Branch, Range, Settings, bands, sliding,
     storage::{Block, Planes, Words},
 };
 use crate::math::{lanes::LANES, whole_roots};
+use bytemuck::Zeroable as _;
 
 /// The window of [`Range::Neighbourhood`] on a picture of up to 480 rows, in pixels to each side: 9 × 9. It grows with
 /// the picture ([`super::relief::scale`]).
 const RADIUS: i32 = 4;
 
-/// Fills the heights for the chosen range mode. The words [`Words::Base`] hold the luma afterwards.
+/// Fills the heights for the chosen range mode. The words [`Words::Luma`] hold the luma afterwards.
 #[inline(always)]
-pub(super) fn fill(planes: &mut Planes<'_>, settings: &Settings) {
-    for y in 0..planes.blocks.size.height as usize {
-        for Block { words, bytes: [_, red, green, blue] } in planes.blocks.row_mut(y) {
-            let luma = &mut words[Words::Base as usize];
-            for (((luma, &r), &g), &b) in luma.iter_mut().zip(&*red).zip(&*green).zip(&*blue) {
+pub(super) fn fill(planes: &mut Planes<'_>, photo: Photo<'_>, settings: &Settings) {
+    for (y, rgb) in photo.rgb.chunks_exact(3 * photo.size.width as usize).enumerate() {
+        for (block, rgb) in planes.blocks.row_mut(y).iter_mut().zip(rgb.chunks(3 * LANES)) {
+            *block = Block::zeroed();
+            for (luma, &[r, g, b]) in block.words[Words::Luma as usize].iter_mut().zip(rgb.as_chunks().0) {
                 *luma = luma_q7(r, g, b);
             }
         }
@@ -42,8 +44,8 @@ fn find_extremes(planes: &mut Planes<'_>) {
     let radius = ((RADIUS * super::relief::scale(planes.blocks.size)) >> super::relief::SCALE_BITS) as usize;
     let Planes { blocks, scratch, .. } = planes;
     for y in 0..blocks.size.height as usize {
-        for Block { words, .. } in blocks.row_mut(y) {
-            let luma = words[Words::Base as usize];
+        for Block { words } in blocks.row_mut(y) {
+            let luma = words[Words::Luma as usize];
             words[Words::CentreV as usize] = luma;
             words[Words::CosineV as usize] = luma.map(|luma| -luma);
         }
@@ -57,8 +59,8 @@ fn find_extremes(planes: &mut Planes<'_>) {
 #[inline(always)]
 fn swing(planes: &mut Planes<'_>, settings: &Settings) {
     for y in 0..planes.blocks.size.height as usize {
-        for (x, Block { words, .. }) in (0..).step_by(LANES).zip(planes.blocks.row_mut(y)) {
-            let luma = words[Words::Base as usize];
+        for (x, Block { words }) in (0..).step_by(LANES).zip(planes.blocks.row_mut(y)) {
+            let luma = words[Words::Luma as usize];
             let (max, least) = match settings.range {
                 Range::Full => ([255 << 7; LANES], [0; LANES]),
                 _ => (words[Words::CentreV as usize], words[Words::CosineV as usize]),

@@ -15,7 +15,8 @@
 //!
 //! so that [`Shimmer::prepare`] stores three gradients a pixel, and a frame needs two numbers and no sine.
 //! A pixel's shade is S = max(0, n·L), n the normal of the relief and L the direction of the light (Lambert), and all its
-//! channels are multiplied by 1 + onset·m·M·(S − S̄)/L_z, m the strength and M the mask.
+//! channels are multiplied by 1 + onset·m·(S − S̄)/L_z, m the strength. The mask M scales A: what stays still has no P and no Q, and
+//! is the photo.
 //!
 //! Departures from the paper:
 //! 1. The phase is the integral of the noisy frequency (see [`crate::noise::drive`]).
@@ -148,8 +149,10 @@ impl<S: AsMut<[u64]>> Shimmer<S> {
     pub fn prepare(photo: Photo<'_>, settings: &Settings, mut storage: S) -> Result<Self, StorageTooSmall> {
         let light = shade::Light::new(settings.light, settings.strength);
         let mut planes = Planes::carve(photo.size, storage.as_mut())?;
-        planes.fill_photo(photo);
-        on_widest(Preparation { planes, settings, light });
+        assert_eq!(photo.rgb.len(), photo.size.pixels() * 3, "the photo's colours do not have its size");
+        assert_eq!(photo.mask.len(), photo.size.pixels(), "the photo's mask does not have its size");
+        planes.find_spans(photo.mask);
+        on_widest(Preparation { planes, photo, settings, light });
         Ok(Self { size: photo.size, storage, light })
     }
 
@@ -159,9 +162,10 @@ impl<S: AsMut<[u64]>> Shimmer<S> {
     }
 }
 
-/// What is left to do when the photo is in place.
+/// What is left to do when the spans are found.
 struct Preparation<'a, 'b> {
     planes: Planes<'a>,
+    photo: Photo<'b>,
     settings: &'b Settings,
     light: shade::Light,
 }
@@ -171,8 +175,8 @@ impl Task for Preparation<'_, '_> {
 
     #[inline(always)]
     fn run<L: Lanes>(mut self) {
-        height::fill(&mut self.planes, self.settings);
-        relief::fill::<L>(&mut self.planes, self.settings, self.light);
+        height::fill(&mut self.planes, self.photo, self.settings);
+        relief::fill::<L>(&mut self.planes, self.photo, self.settings, self.light);
     }
 }
 

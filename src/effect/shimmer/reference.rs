@@ -125,7 +125,6 @@ type Slopes = [[f64; 2]; 3];
 /// A photo that shimmers, in float64.
 pub(super) struct Twin {
     colours: Vec<u8>,
-    mask: Vec<u8>,
     slopes: Vec<Slopes>,
     light: [f64; 3],
     strength: f64,
@@ -143,13 +142,13 @@ impl Twin {
             let [p, q, c] = heights.each_ref().map(|plane| plane.sobel(x, y).map(|g| g * steepness.min(0.5)));
             let swing = (p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + q[1] * q[1]).sqrt();
             let flatten = (steepest / (swing + c[0].hypot(c[1]))).min(1.0);
-            [p, q, c].map(|slope| slope.map(|s| s * flatten))
+            let mask = f64::from(photo.mask[i]) / 255.0;
+            [(p, mask), (q, mask), (c, 1.0)].map(|(slope, mask)| slope.map(|s| s * flatten * mask))
         });
         let (azimuth, elevation) = (radians(settings.light.azimuth), radians(settings.light.elevation));
         let flat = elevation.cos();
         Self {
             colours: photo.rgb.to_vec(),
-            mask: photo.mask.to_vec(),
             slopes: slopes.collect(),
             light: [flat * azimuth.sin(), -flat * azimuth.cos(), elevation.sin()],
             strength: settings.strength.to_num(),
@@ -169,8 +168,7 @@ impl Twin {
         let mean = [(typical, 0.0), (0.0, typical), (-typical, 0.0), (0.0, -typical)];
         let mean = mean.map(|(sine, cosine)| self.shade(i, sine, cosine)).iter().sum::<f64>() / 4.0;
         let shade = self.shade(i, amplitude * phase.sin(), amplitude * phase.cos());
-        let mask = f64::from(self.mask[i]) / 255.0;
-        let gain = (1.0 + self.strength * mask * (shade - mean) / self.light[2]).max(0.0);
+        let gain = (1.0 + self.strength * (shade - mean) / self.light[2]).max(0.0);
         [0, 1, 2].map(|k| (f64::from(self.colours[i * 3 + k]) * gain).min(255.0))
     }
 }

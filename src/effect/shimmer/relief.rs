@@ -1,9 +1,10 @@
 //! From heights to slopes: what the light sees.
 
 use super::{
+    super::Photo,
     Range, Settings,
     shade::{Light, ONE, SLOPE_ONE},
-    storage::{Block, Bytes, Planes, Words},
+    storage::{Block, Blocks, Packed, Planes, Words},
 };
 use crate::{
     frame::Size,
@@ -30,9 +31,9 @@ pub(super) const fn scaled(radius: usize, size: Size) -> usize {
     (radius * scale(size) as usize + (1 << (SCALE_BITS - 1))) >> SCALE_BITS
 }
 
-/// Turns the heights (in the words of the v slopes) into slopes, and finds the gain in the mean shade.
+/// Turns the heights (in the words of the v slopes) into slopes, finds the gain in the mean shade, and packs it all for the frames.
 #[inline(always)]
-pub(super) fn fill<L: Lanes>(planes: &mut Planes<'_>, settings: &Settings, light: Light) {
+pub(super) fn fill<L: Lanes>(planes: &mut Planes<'_>, photo: Photo<'_>, settings: &Settings, light: Light) {
     let axes = Axes::new(settings, planes.blocks.size);
     let Planes { blocks, scratch, .. } = planes;
     let (_, [p0, p1, p2, q0, q1, q2, c0, c1, c2, along_u, along_v]) = scratch.rows::<0, 11>();
@@ -56,8 +57,8 @@ pub(super) fn fill<L: Lanes>(planes: &mut Planes<'_>, settings: &Settings, light
             blocks.write(v, y, along_v);
             rows.rotate_left(1);
         }
-        finish::<L>(blocks.row_mut(y), light, settings.range == Range::Full);
     }
+    finish::<L>(blocks, photo, light, settings.range == Range::Full);
 }
 
 /// The words of P's, Q's and C's slopes.
@@ -66,16 +67,47 @@ const SLOPES: [(Words, Words); 3] =
 
 /// The last step, block by block.
 #[inline(always)]
-fn finish<L: Lanes>(row: &mut [Block], light: Light, level_centre: bool) {
-    for block in row {
-        if level_centre {
-            block.words[Words::CentreU as usize] = [0; LANES];
-            block.words[Words::CentreV as usize] = [0; LANES];
+fn finish<L: Lanes>(blocks: &mut Blocks<'_>, photo: Photo<'_>, light: Light, level_centre: bool) {
+    let width = photo.size.width as usize;
+    blocks.pack(
+        #[inline(always)]
+        |mut block, y, x| {
+            let pixels = y * width + x..y * width + width.min(x + LANES);
+            if level_centre {
+                block.words[Words::CentreU as usize] = [0; LANES];
+                block.words[Words::CentreV as usize] = [0; LANES];
+            }
+            flatten(&mut block);
+            mask(&mut block, &photo.mask[pixels.clone()]);
+            let mut packed = Packed::new(&block);
+            let base = L::splat(ONE).minus(mean_shade::<L>(&packed, light));
+            base.store(&mut packed.base);
+            let rgb = photo.rgb[3 * pixels.start..3 * pixels.end].as_chunks().0;
+            let [red, green, blue] = &mut packed.colours;
+            for (i, &[r, g, b]) in rgb.iter().enumerate() {
+                (red[i], green[i], blue[i]) = (r, g, b);
+            }
+            packed
+        },
+    );
+}
+
+/// The swing of every pixel times its mask. Where that is 0 the relief is level, too, so that nothing of what is packed strays into the swing.
+#[inline(always)]
+fn mask(block: &mut Block, mask: &[u8]) {
+    let mut whole = [0; LANES];
+    whole[..mask.len()].copy_from_slice(mask);
+    // 1/255 in units of 2^-16, so that 255 is exactly 1.
+    let masked = |word: i16, mask: u8| ((i32::from(word) * i32::from(mask) * 257 + (1 << 15)) >> 16) as i16;
+    for which in [Words::SineU, Words::SineV, Words::CosineU, Words::CosineV] {
+        for (word, mask) in block.words[which as usize].iter_mut().zip(whole) {
+            *word = masked(*word, mask);
         }
-        flatten(block);
-        let mask = L::load_q7(block.bytes(Bytes::Mask));
-        let base = L::splat(ONE).minus(mean_shade::<L>(block, light).times(mask));
-        base.store(&mut block.words[Words::Base as usize]);
+    }
+    for which in [Words::CentreU, Words::CentreV] {
+        for (word, mask) in block.words[which as usize].iter_mut().zip(whole) {
+            *word = if mask == 0 { 0 } else { *word };
+        }
     }
 }
 
@@ -174,11 +206,10 @@ const TYPICAL_SWING: i16 = 17_270;
 
 /// The mean of the shade over the phases 0°, 90°, 180°, 270°: exact to the third order of the slopes. k·S̄ in Q12.
 #[inline(always)]
-fn mean_shade<L: Lanes>(block: &Block, light: Light) -> L {
-    let centre = [L::load(block.words(Words::CentreU)), L::load(block.words(Words::CentreV))];
-    let p = [L::load(block.words(Words::SineU)), L::load(block.words(Words::SineV))];
-    let q = [L::load(block.words(Words::CosineU)), L::load(block.words(Words::CosineV))];
-    mean(mean_of_opposites(p, centre, light), mean_of_opposites(q, centre, light))
+fn mean_shade<L: Lanes>(packed: &Packed, light: Light) -> L {
+    let [[pu, qu, cu], [pv, qv, cv]] = packed.slopes::<L>();
+    let centre = [cu, cv];
+    mean(mean_of_opposites([pu, pv], centre, light), mean_of_opposites([qu, qv], centre, light))
 }
 
 /// The mean of the shades where the swing is on one side and on the other.

@@ -27,8 +27,8 @@ impl Light {
     pub(super) fn new(light: super::Light, strength: Factor) -> Self {
         let up = q15(light.elevation.sin()).max(LEAST_UP);
         let along = q15(light.elevation.cos()).max(0);
-        // k in Q15. A mask of 255 is taken for 255/256 by the kernel, which is made good here.
-        let k = (i64::from(strength.to_bits().max(0)) << 2) / i64::from(up) * 256 / 255;
+        // k in Q15.
+        let k = (i64::from(strength.to_bits().max(0)) << 2) / i64::from(up);
         let k = k.min(LARGEST_STRENGTH * (1 << 15) / 1_000);
         let scaled = |share: i16, one: i64| ((k * i64::from(share) * one + (1 << 29)) >> 30) as i16;
         Self { up: scaled(up, ONE.into()), along: scaled(along, 5_793) }
@@ -87,7 +87,7 @@ mod tests {
         for strength in [1, 2] {
             let light = Light::new(light, Factor::from_num(strength));
             let (sine, cosine) = 35_f64.to_radians().sin_cos();
-            let k = f64::from(strength) / sine * 256.0 / 255.0;
+            let k = f64::from(strength) / sine;
             for u in (-32_600..32_600_i16).step_by(97) {
                 for v in (-32_600..32_600_i16).step_by(103) {
                     let one = 2_f64.powf(14.5);

@@ -125,11 +125,11 @@ mod tests {
             let mut padded = vec![0; width.next_multiple_of(LANES)];
             for (y, row) in plane.chunks(width).enumerate() {
                 padded[..width].copy_from_slice(row);
-                blocks.write(Words::Base, y, &padded);
+                blocks.write(Words::Luma, y, &padded);
             }
-            maximum(radius, &mut blocks, Words::Base, Words::SineU, &mut scratch);
+            maximum(radius, &mut blocks, Words::Luma, Words::SineU, &mut scratch);
             for (y, row) in plane.chunks_mut(width).enumerate() {
-                blocks.read(Words::Base, y, &mut padded);
+                blocks.read(Words::Luma, y, &mut padded);
                 row.copy_from_slice(&padded[..width]);
             }
             prop_assert_eq!(plane, naive);

@@ -5,26 +5,28 @@
 
 use super::{
     super::{
-        Photo, StorageTooSmall,
+        StorageTooSmall,
         storage::{take, words},
     },
     bands::WIDEST_RADIUS,
     relief,
     spans::{self, Span},
 };
-use crate::{frame::Size, math::lanes::LANES};
+use crate::{
+    frame::Size,
+    math::lanes::{LANES, Lanes},
+};
 use bytemuck::{Pod, Zeroable};
 
-/// Sixteen pixels of a row: 18 bytes each.
+/// Sixteen pixels of a row while a photo is prepared: 14 bytes each.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct Block {
     pub(super) words: [[i16; LANES]; 7],
-    pub(super) bytes: [[u8; LANES]; 4],
 }
 
-/// What the words of a block are. A slope is in units of 2^-14.5, its u towards the light, its v across. While a photo is
-/// prepared they hold other things, as the functions say.
+/// What the words of a block come to be. A slope is in units of 2^-14.5, its u towards the light, its v across. On the way there they
+/// hold other things, as the functions say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Words {
     /// ∇P, what sin θ multiplies.
@@ -36,17 +38,8 @@ pub(super) enum Words {
     /// ∇C.
     CentreU,
     CentreV,
-    /// 1 − M·k·S̄ in Q12, S̄ the mean shade over a cycle: the gain of a pixel in the shade. Holds the luma while the photo is prepared.
-    Base,
-}
-
-/// What the bytes of a block are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Bytes {
-    Mask,
-    Red,
-    Green,
-    Blue,
+    /// The luma.
+    Luma,
 }
 
 impl Block {
@@ -54,11 +47,65 @@ impl Block {
     pub(super) const fn words(&self, which: Words) -> &[i16; LANES] {
         &self.words[which as usize]
     }
+}
 
+/// Sixteen pixels of a row as a frame reads them: 13 bytes each.
+///
+/// P and Q have 11 bits, C has 10: what P's word and Q's word have no use for. A word is taken for P as it is; P was rounded with its low bits
+/// in mind, so that they are no error. All three together then err by 1/610 of a slope of 45° at worst.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct Packed {
+    /// Along u, along v: P, and Q.
+    slopes: [[[i16; LANES]; 2]; 2],
+    /// 1 − k·S̄ in Q12, S̄ the mean shade over a cycle: the gain of a pixel in the shade.
+    pub(super) base: [i16; LANES],
+    /// Red, green, blue.
+    pub(super) colours: [[u8; LANES]; 3],
+}
+
+/// The bits of C that each of the two words keeps.
+const SHARE: i32 = 5;
+
+/// The bits that C goes without.
+const DROPPED: i32 = 16 - 2 * SHARE;
+
+impl Packed {
+    /// The slopes of `block`, without base and colours.
     #[inline(always)]
-    pub(super) const fn bytes(&self, which: Bytes) -> &[u8; LANES] {
-        &self.bytes[which as usize]
+    pub(super) fn new(block: &Block) -> Self {
+        let pack = |axis: [Words; 3]| {
+            let [p, q, c] = axis.map(|which| block.words(which));
+            let mut packed = [*p, *q];
+            for lane in 0..LANES {
+                let centre = (c[lane] + (1 << (DROPPED - 1))) >> DROPPED;
+                let low = (1 << SHARE) - 1;
+                packed[0][lane] = nearest(p[lane], centre >> SHARE & low);
+                packed[1][lane] = nearest(q[lane], centre & low);
+            }
+            packed
+        };
+        let slopes = [
+            pack([Words::SineU, Words::CosineU, Words::CentreU]),
+            pack([Words::SineV, Words::CosineV, Words::CentreV]),
+        ];
+        Self { slopes, ..Self::zeroed() }
     }
+
+    /// P, Q and C along u, and along v.
+    #[inline(always)]
+    pub(super) fn slopes<L: Lanes>(&self) -> [[L; 3]; 2] {
+        self.slopes.each_ref().map(|[p, q]| {
+            let (p, q) = (L::load(p), L::load(q));
+            [p, q, q.up::<DROPPED>().beneath::<{ SHARE + DROPPED }>(p)]
+        })
+    }
+}
+
+/// The number with these low bits that is nearest to `slope`, which is at most 54.6° and so far from the ends of 16 bits.
+#[inline(always)]
+const fn nearest(slope: i16, low: i16) -> i16 {
+    ((slope - low + (1 << (SHARE - 1))) >> SHARE << SHARE) | low
 }
 
 /// The blocks of a photo, row by row; the last one of a row reaches beyond it.
@@ -95,6 +142,54 @@ impl Blocks<'_> {
         for (from, block) in row.as_chunks::<LANES>().0.iter().zip(self.row_mut(y)) {
             block.words[which as usize] = *from;
         }
+    }
+}
+
+impl<'a> Blocks<'a> {
+    /// Replaces every block by what `pack` makes of it; it is told in which row the block is, and where its first pixel is in it.
+    #[inline(always)]
+    pub(super) fn pack(&mut self, mut pack: impl FnMut(Block, usize, usize) -> Packed) {
+        const { assert!(size_of::<Packed>() <= size_of::<Block>()) }
+        let (count, total) = (blocks_a_row(self.size.width), self.blocks.len());
+        for at in 0..total {
+            // It ends before the next one that is still to be read starts.
+            let packed = pack(self.blocks[at], at / count, at % count * LANES);
+            let bytes: &mut [u8] = bytemuck::cast_slice_mut(self.blocks);
+            bytes[at * size_of::<Packed>()..][..size_of::<Packed>()]
+                .copy_from_slice(bytemuck::bytes_of(&packed));
+        }
+    }
+
+    fn into_packed(self) -> &'a [Packed] {
+        let bytes: &[u8] = bytemuck::cast_slice(self.blocks);
+        bytemuck::cast_slice(&bytes[..self.blocks.len() * size_of::<Packed>()])
+    }
+}
+
+/// A photo that is prepared.
+#[derive(Debug)]
+pub(super) struct Prepared<'a> {
+    pub(super) size: Size,
+    blocks: &'a [Packed],
+    spans: &'a [Span],
+}
+
+impl<'a> Prepared<'a> {
+    pub(super) fn new(Planes { blocks, spans, .. }: Planes<'a>) -> Self {
+        Self { size: blocks.size, blocks: blocks.into_packed(), spans }
+    }
+
+    #[inline(always)]
+    pub(super) fn row(&self, y: usize) -> &'a [Packed] {
+        let count = blocks_a_row(self.size.width);
+        &self.blocks[y * count..][..count]
+    }
+
+    /// The columns of row `y` that move.
+    #[inline(always)]
+    pub(super) fn spans(&self, y: usize) -> &'a [Span] {
+        let most = spans::most(self.size.width);
+        &self.spans[y * most..][..most]
     }
 }
 
@@ -142,7 +237,7 @@ pub(super) const fn margin(size: Size) -> usize {
     2 * relief::scaled(WIDEST_RADIUS, size) + 2
 }
 
-/// Words of 64 bits that [`super::Shimmer::prepare`] needs for a photo of `size`: 18 bytes a pixel of rows that are padded to multiples of
+/// Words of 64 bits that [`super::Shimmer::prepare`] needs for a photo of `size`: 14 bytes a pixel of rows that are padded to multiples of
 /// 16, 1/8 byte a pixel for the spans of what moves, and 48 bytes a column of scratch, whose rows reach a little beyond the picture.
 pub const fn storage_len(size: Size) -> usize {
     let blocks = words::<Block>(blocks_a_row(size.width) * size.height as usize);
@@ -178,25 +273,38 @@ impl<'a> Planes<'a> {
         })
     }
 
-    /// Takes over the photo's colours and mask, and finds the spans of what moves.
-    pub(super) fn fill_photo(&mut self, photo: Photo<'_>) {
-        assert_eq!(photo.rgb.len(), photo.size.pixels() * 3, "the photo's colours do not have its size");
-        assert_eq!(photo.mask.len(), photo.size.pixels(), "the photo's mask does not have its size");
-        let width = photo.size.width as usize;
-        let rows = photo.rgb.chunks_exact(width * 3).zip(photo.mask.chunks_exact(width));
-        let spans = self.spans.chunks_exact_mut(spans::most(photo.size.width));
-        for (y, ((rgb, mask), spans)) in rows.zip(spans).enumerate() {
-            let parts = rgb.chunks(3 * LANES).zip(mask.chunks(LANES));
-            for (block, (rgb, mask)) in self.blocks.row_mut(y).iter_mut().zip(parts) {
-                *block = Block::zeroed();
-                block.bytes[Bytes::Mask as usize][..mask.len()].copy_from_slice(mask);
-                let [_, red, green, blue] = &mut block.bytes;
-                let colours = red.iter_mut().zip(green).zip(blue).zip(rgb.as_chunks().0);
-                for (((red, green), blue), &[r, g, b]) in colours {
-                    (*red, *green, *blue) = (r, g, b);
-                }
-            }
+    /// Finds the spans of what moves.
+    pub(super) fn find_spans(&mut self, mask: &[u8]) {
+        let spans = self.spans.chunks_exact_mut(spans::most(self.blocks.size.width));
+        for (mask, spans) in mask.chunks_exact(self.blocks.size.width as usize).zip(spans) {
             spans::find(mask, spans);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::lanes::Plain;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn packed_slopes_err_by_half_a_step_each(words: [[i16; LANES]; 7]) {
+            // 54.6° in units of 2^-14.5.
+            let block = Block { words: words.map(|lanes| lanes.map(|word| word % 32_587)) };
+            let [u, v] = Packed::new(&block).slopes::<Plain>();
+            let exact = [Words::SineU, Words::CosineU, Words::CentreU, Words::SineV, Words::CosineV, Words::CentreV];
+            for ((which, got), half_a_step) in exact.into_iter().zip(u.into_iter().chain(v)).zip([16, 16, 32].into_iter().cycle()) {
+                for (got, want) in got.into_iter().zip(block.words(which)) {
+                    prop_assert!(got.abs_diff(*want) <= half_a_step, "{:?}: {} for {}", which, got, want);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_level_stays_level() {
+        assert_eq!(Packed::new(&Block::zeroed()).slopes::<Plain>(), [[[0; LANES]; 3]; 2]);
     }
 }

@@ -26,7 +26,7 @@ impl<'a> Tent<'a> {
         let side = 2 * radius + 1;
         let mean = Mean::of(side * side);
         // So far above the picture, all that the tent reaches is the first row.
-        let first = blocks.row(0).iter().map(|block| block.words(Words::Base));
+        let first = blocks.row(0).iter().map(|block| block.words(Words::Luma));
         for (sum, luma) in sums.as_chunks_mut::<LANES>().0.iter_mut().zip(first) {
             for (sum, &luma) in sum.iter_mut().zip(luma) {
                 *sum = ((side * side) as i32).wrapping_mul(luma.into());
@@ -82,7 +82,7 @@ impl<'a> Tent<'a> {
         for (i, ((sums, slopes), ((ahead, at), behind))) in running.zip(rows).enumerate() {
             take(i, sums);
             let (ahead, at, behind) =
-                (ahead.words(Words::Base), at.words(Words::Base), behind.words(Words::Base));
+                (ahead.words(Words::Luma), at.words(Words::Luma), behind.words(Words::Luma));
             // In and out as a whole: then it is a matter of vectors.
             let (mut sum, mut slope) = (*sums, *slopes);
             for lane in 0..LANES {
@@ -180,7 +180,7 @@ mod tests {
             let ([down, slopes, sums], [row, out]) = scratch.rows();
             for (y, luma) in luma.chunks(width).enumerate() {
                 row[..width].copy_from_slice(luma);
-                blocks.write(Words::Base, y, row);
+                blocks.write(Words::Luma, y, row);
             }
             let mut tent = Tent::start(radius, &blocks, [down, slopes]);
             for want in by_definition(&luma, width, radius).chunks(width) {

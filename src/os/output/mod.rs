@@ -26,7 +26,8 @@ pub use rate::{FrameRate, ParseFrameRateError};
 pub use target::{FileFormat, Target, TargetError};
 
 use crate::frame::{FrameRef, Layout, PixelFormat, Size};
-use staged::{StagedFile, StagedFolder};
+pub(super) use staged::StagedFile;
+use staged::StagedFolder;
 use std::{
     fs::File,
     io::{self, BufWriter, Seek, Write},

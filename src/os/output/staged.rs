@@ -17,14 +17,14 @@ const FILE_MODE: u32 = 0o666;
 const FOLDER_MODE: u32 = 0o777;
 
 /// A file with a temporary name beside the one it gets at the end.
-pub(super) struct StagedFile {
+pub(in crate::os) struct StagedFile {
     file: NamedTempFile,
     path: PathBuf,
 }
 
 impl StagedFile {
     /// Opens a temporary file in the folder of `path`. A link is followed, so that it stays a link.
-    pub(super) fn create(path: &Path) -> io::Result<Self> {
+    pub(in crate::os) fn create(path: &Path) -> io::Result<Self> {
         let path = fs::canonicalize(path).unwrap_or_else(|_| path.into());
         let mode = Permissions::from_mode(FILE_MODE);
         let file = Builder::new().prefix(PREFIX).permissions(mode).tempfile_in(folder_of(&path))?;
@@ -32,12 +32,12 @@ impl StagedFile {
     }
 
     /// Another handle to the file.
-    pub(super) fn open(&self) -> io::Result<File> {
+    pub(in crate::os) fn open(&self) -> io::Result<File> {
         self.file.as_file().try_clone()
     }
 
     /// Waits until the file is on the disk and gives it its name, in the place of one that has it already.
-    pub(super) fn commit(self) -> io::Result<()> {
+    pub(in crate::os) fn commit(self) -> io::Result<()> {
         self.file.as_file().sync_all()?;
         self.file.persist(&self.path).map_err(|e| e.error)?;
         sync_folder(folder_of(&self.path));

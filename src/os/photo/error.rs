@@ -1,6 +1,9 @@
 //! What can be wrong with a photo, in words for people.
 
-use crate::frame::{Layout, Size, resample};
+use crate::{
+    effect::fluid::ClipError,
+    frame::{Layout, Size, resample},
+};
 use std::{error::Error, fmt, io};
 
 /// A photo, mask or folder that cannot be used. One line says which, what is wrong and the cure; the cause as a library or
@@ -59,12 +62,14 @@ pub enum Fault {
     Broken,
     /// It uses a feature of its format that the decoder does not know.
     Feature(image::ImageError),
+    /// It is a clip, and damaged or none that can be.
+    Clip(ClipError),
     /// The panel has an impossible size.
     PanelSize(Size),
 }
 
 impl PhotoError {
-    pub(super) fn new(name: &str, fault: Fault) -> Self {
+    pub(in crate::os) fn new(name: &str, fault: Fault) -> Self {
         // A line stays one line, whatever the name of the file.
         Self { name: name.replace(char::is_control, "\u{fffd}"), fault }
     }
@@ -109,6 +114,7 @@ impl fmt::Display for Fault {
             Self::Feature(_) => f.write_str(
                 "uses a rare feature of its format that is not supported: export it as JPEG or PNG",
             ),
+            Self::Clip(error) => error.fmt(f),
             Self::PanelSize(size) => {
                 write!(f, "cannot be shown on {size} pixels: each side must be 1 to {}", Layout::MAX_SIDE)
             }
@@ -121,6 +127,7 @@ impl Error for PhotoError {
         match &self.fault {
             Fault::Forbidden(cause) | Fault::LinkLoop(cause) | Fault::Read(cause) => Some(cause),
             Fault::Damaged(cause) | Fault::Feature(cause) => Some(cause),
+            Fault::Clip(cause) => Some(cause),
             _ => None,
         }
     }

@@ -12,16 +12,21 @@ use std::{
     path::Path,
 };
 
-/// The bytes of the regular file at `path`, at the most `limit`.
-pub(super) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, Fault> {
+/// Opens the regular file at `path`.
+pub(super) fn open(path: &Path) -> Result<File, Fault> {
     // Asked before it is opened: opening a device can set it going.
     regular(std::fs::metadata(path).map_err(from_io)?.file_type())?;
     // Asked again once it is open, as it may have been replaced meanwhile; opening a FIFO this way does not wait for a writer.
     let flags = OFlags::RDONLY | OFlags::NONBLOCK | OFlags::NOCTTY | OFlags::CLOEXEC;
     let file = File::from(rustix::fs::open(path, flags, Mode::empty()).map_err(|e| from_io(e.into()))?);
-    let metadata = file.metadata().map_err(from_io)?;
-    regular(metadata.file_type())?;
-    let len = metadata.len();
+    regular(file.metadata().map_err(from_io)?.file_type())?;
+    Ok(file)
+}
+
+/// The bytes of the regular file at `path`, at the most `limit`.
+pub(super) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, Fault> {
+    let file = open(path)?;
+    let len = file.metadata().map_err(from_io)?.len();
     let too_large = |needed| Fault::TooMuchMemory { needed, limit };
     if len > limit {
         return Err(too_large(len));

@@ -97,6 +97,11 @@ impl Placement {
         Self { picture, width: whole, height: whole }
     }
 
+    /// The shares of the photo's width and height that are shown, as fractions.
+    pub(super) const fn shown(&self) -> [(u64, u64); 2] {
+        [self.width, self.height]
+    }
+
     /// The size that the whole photo has at the scale in which it is shown, rounded up.
     pub(super) fn whole(&self) -> Size {
         let side = |shown: u32, (part, whole): (u64, u64)| {

@@ -15,11 +15,11 @@ use std::{
 };
 
 /// Extensions of what may be a photo. Those of formats that are not supported are among them, so that it is said once that
-/// such a photo is skipped, and why.
-const EXTENSIONS: [&str; 32] = [
+/// such a photo is skipped, and why. A clip is one of the photos.
+const EXTENSIONS: [&str; 33] = [
     "jpg", "jpeg", "jpe", "jfif", "png", "apng", "webp", "gif", "bmp", "dib", "tif", "tiff", "heic", "heif",
     "hif", "avif", "jxl", "jp2", "dng", "cr2", "cr3", "nef", "nrw", "arw", "orf", "raf", "rw2", "pef", "srw",
-    "raw", "psd", "x3f",
+    "raw", "psd", "x3f", "yfl",
 ];
 
 /// The photos at `paths`: files as they are named, and those of folders and of the folders in them.

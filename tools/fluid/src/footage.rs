@@ -14,6 +14,25 @@ pub enum Class {
     Smoke,
 }
 
+impl Class {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Water, Self::Fire, Self::Smoke];
+
+    /// What people and files call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Water => "water",
+            Self::Fire => "fire",
+            Self::Smoke => "smoke",
+        }
+    }
+
+    /// The class of this name.
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|class| class.name() == name)
+    }
+}
+
 /// A video of the database.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Video {

@@ -10,9 +10,12 @@
 //! ```
 
 pub mod appearance;
+pub mod args;
+pub mod commands;
 pub mod database;
 pub mod features;
 pub mod footage;
+pub mod guidance;
 pub mod label;
 pub mod motion;
 pub mod patch;

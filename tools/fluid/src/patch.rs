@@ -84,12 +84,13 @@ mod tests {
     fn there_and_back_is_the_same_place() {
         for version in Version::all() {
             let (a, b) = (version.to_video(), version.from_video());
-            for row in 0..2 {
-                for column in 0..2 {
-                    let product = a[row][0] * b[0][column] + a[row][1] * b[1][column];
-                    let expected = if row == column { 1.0 } else { 0.0 };
-                    assert!((product - expected).abs() < 1e-6, "{version:?}: {product} at {row}, {column}");
-                }
+            for (row, line) in a.iter().enumerate() {
+                let product = [0, 1].map(|column| line[0] * b[0][column] + line[1] * b[1][column]);
+                let expected = [[1.0, 0.0], [0.0, 1.0]][row];
+                assert!(
+                    (0..2).all(|column: usize| (product[column] - expected[column]).abs() < 1e-6),
+                    "{version:?}: {product:?}"
+                );
             }
         }
     }

@@ -19,7 +19,7 @@
 //! A file is checked whole, to its last bit, before anything is lent to it: [`Checked`] tells what it takes.
 
 use super::{Code, LARGEST, LONGEST_SIDE, Leaf, SMALLEST, block::STEEPEST, most_leaves, plane_size};
-use crate::frame::Size;
+use crate::{effect::checksum::checksum, frame::Size};
 use core::fmt;
 
 /// The first bytes of a file of this version.
@@ -292,24 +292,4 @@ impl Reader<'_> {
         let (domain_x, domain_y) = (place(plane.width)?, place(plane.height)?);
         Some(Leaf { isometry, domain_x, domain_y, ..leaf })
     }
-}
-
-/// CRC-32 of all `parts`.
-fn checksum(parts: &[&[u8]]) -> u32 {
-    const TABLE: [u32; 256] = {
-        let mut table = [0; 256];
-        let mut i = 0;
-        while i < 256 {
-            let (mut crc, mut bit) = (i as u32, 0);
-            while bit < 8 {
-                crc = if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 };
-                bit += 1;
-            }
-            table[i] = crc;
-            i += 1;
-        }
-        table
-    };
-    let step = |crc: u32, &byte: &u8| crc >> 8 ^ TABLE[usize::from(crc as u8 ^ byte)];
-    !parts.iter().flat_map(|part| part.iter()).fold(u32::MAX, step)
 }
