@@ -8,7 +8,7 @@ pub mod random;
 mod root;
 mod turns;
 
-pub(crate) use root::{sqrt, whole_root};
+pub(crate) use root::{quotients, sqrt, whole_roots};
 pub use turns::Turns;
 
 /// A noise sample, and every state it is made of: of the order of one, in steps of 2^-40. A leak over 2^16 frames then errs by

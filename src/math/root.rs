@@ -36,10 +36,37 @@ pub(crate) fn sqrt(x: u64) -> u64 {
     (x * twice).min(ONE) >> pairs
 }
 
-/// The square root of a whole number below 2^40, to the nearest. Multiplications only, as above.
-pub(crate) fn whole_root(x: u64) -> u32 {
-    // √(x·2^24·2^-64) in units of 2^-63 is √x·2^43.
-    ((sqrt(x << 24) + (1 << 42)) >> 43) as u32
+/// The square root of each number, to the nearest, digit by digit: it needs no table and no product, and so suits lanes of 32 bits of any
+/// kind. One by one, with the table above, it was most of the time that a photo took to prepare.
+#[inline(always)]
+pub(crate) fn whole_roots<const N: usize>(squares: [u32; N]) -> [u32; N] {
+    let (mut rest, mut root) = (squares, [0_u32; N]);
+    for digit in (0..16).rev() {
+        let place = 1 << (2 * digit);
+        for (rest, root) in rest.iter_mut().zip(&mut root) {
+            // What does not fit wraps around, and is larger than before.
+            let left = (*rest).min(rest.wrapping_sub(*root + place));
+            *root = (*root >> 1) + if left == *rest { 0 } else { place };
+            *rest = left;
+        }
+    }
+    root.iter_mut().zip(rest).for_each(|(root, rest)| *root += u32::from(rest > *root));
+    root
+}
+
+/// `dividend` / each divisor, rounded down; quotients must be below 2^16, and divisors from 1 to 2^17 − 1. As above, digit by digit.
+#[inline(always)]
+pub(crate) fn quotients<const N: usize>(dividend: u32, divisors: [u32; N]) -> [u32; N] {
+    let (mut rest, mut quotient) = ([dividend; N], [0_u32; N]);
+    for digit in (0..16).rev() {
+        let place = 1 << digit;
+        for ((rest, quotient), divisor) in rest.iter_mut().zip(&mut quotient).zip(divisors) {
+            let left = (*rest).min(rest.wrapping_sub(divisor << digit));
+            *quotient += if left == *rest { 0 } else { place };
+            *rest = left;
+        }
+    }
+    quotient
 }
 
 #[cfg(test)]
@@ -76,9 +103,19 @@ mod tests {
 
     proptest! {
         #[test]
-        fn whole_roots_are_the_nearest(x in 0..1_u64 << 40, shift in 0..40_u32) {
-            let x = x >> shift;
-            prop_assert_eq!(f64::from(whole_root(x)), (x as f64).sqrt().round());
+        fn whole_roots_are_the_nearest(squares: [u32; 16], shift in 0..32_u32) {
+            let squares = squares.map(|square| square >> shift);
+            prop_assert_eq!(whole_roots(squares), squares.map(|square| f64::from(square).sqrt().round() as u32));
+        }
+
+        #[test]
+        fn quotients_by_digits_are_those_of_division(
+            quotient in 0..1_u32 << 16, divisors: [u32; 16], shift in 0..16_u32
+        ) {
+            let divisors = divisors.map(|divisor| ((divisor >> 15) >> shift).max(1));
+            let least = divisors.into_iter().min().unwrap_or(1);
+            let dividend = (u64::from(quotient) * u64::from(least)).min(u32::MAX.into()) as u32;
+            prop_assert_eq!(quotients(dividend, divisors), divisors.map(|divisor| dividend / divisor));
         }
 
         #[test]

@@ -45,18 +45,19 @@ impl Living {
 }
 
 /// A photo to be loaded.
-struct Order {
-    id: PhotoId,
+pub(super) struct Order {
+    pub(super) id: PhotoId,
     /// `None` is the demo photo.
-    path: Option<PathBuf>,
-    colours: Option<Colours>,
+    pub(super) path: Option<PathBuf>,
+    /// What a kaleidoscope takes.
+    pub(super) colours: Option<Colours>,
     /// How it is to live, where a button has chosen that.
-    way: Option<Way>,
+    pub(super) way: Option<Way>,
     /// From where a tree is seen.
-    azimuth: Turns,
-    size: Size,
-    storage: Vec<u64>,
-    config: Arc<Config>,
+    pub(super) azimuth: Turns,
+    /// Of the panel.
+    pub(super) size: Size,
+    pub(super) config: Arc<Config>,
 }
 
 /// What has become of an order.
@@ -79,7 +80,8 @@ impl fmt::Display for Encoding {
 
 /// The thread, and the one photo that it may be at.
 pub(super) struct Loader {
-    orders: Sender<Order>,
+    /// With the memory to prepare them in.
+    orders: Sender<(Order, Vec<u64>)>,
     outcomes: Receiver<Outcome>,
     /// What is being worked at.
     at: Option<PhotoId>,
@@ -102,16 +104,16 @@ impl Loader {
     /// # Errors
     /// If the system gives no thread.
     pub(super) fn start() -> Result<Self, Failure> {
-        let (orders, inbox) = channel::<Order>();
+        let (orders, inbox) = channel::<(Order, Vec<u64>)>();
         let (outbox, outcomes) = channel();
         let coded = Arc::new(AtomicU8::new(0));
         let progress = Arc::clone(&coded);
         let work = move || {
             // On Linux the priority is each thread's own. Without the right to lower it the picture only may stand for a moment.
             let _ = rustix::process::nice(NICE);
-            for order in inbox {
+            for (order, storage) in inbox {
                 let id = order.id;
-                let outcome = load(order, &progress);
+                let outcome = load(order, storage, &progress);
                 progress.store(0, Ordering::Relaxed);
                 if outbox.send((id, outcome)).is_err() {
                     break;
@@ -133,23 +135,11 @@ impl Loader {
         (percent > 0).then(|| Encoding { name: Arc::clone(&self.name), percent })
     }
 
-    /// Orders a photo for a panel of `size`, as `config` says; without a path, the demo photo. A kaleidoscope takes
-    /// `colours`; a tree is seen from the `azimuth`.
-    #[expect(clippy::too_many_arguments, reason = "they are what an order is made of")]
-    pub(super) fn order(
-        &mut self,
-        id: PhotoId,
-        path: Option<PathBuf>,
-        colours: Option<Colours>,
-        way: Option<Way>,
-        azimuth: Turns,
-        size: Size,
-        config: &Arc<Config>,
-    ) {
-        self.name = path.as_deref().map_or("the demo photo".into(), caption::name_of).into();
-        let (storage, config) = (self.spare.pop().unwrap_or_default(), Arc::clone(config));
-        let order = Order { id, path, colours, way, azimuth, size, storage, config };
-        self.at = self.orders.send(order).is_ok().then_some(id);
+    /// Has a photo loaded and prepared.
+    pub(super) fn order(&mut self, order: Order) {
+        self.name = order.path.as_deref().map_or("the demo photo".into(), caption::name_of).into();
+        let (id, storage) = (order.id, self.spare.pop().unwrap_or_default());
+        self.at = self.orders.send((order, storage)).is_ok().then_some(id);
         self.cancelled = false;
     }
 
@@ -180,8 +170,8 @@ impl Loader {
     }
 }
 
-fn load(order: Order, coded: &AtomicU8) -> Result<Living, Failure> {
-    let Order { id, path, colours, way, azimuth, size, storage, config } = order;
+fn load(order: Order, storage: Vec<u64>, coded: &AtomicU8) -> Result<Living, Failure> {
+    let Order { id, path, colours, way, azimuth, size, config } = order;
     let source = path.as_deref().map_or(Source::Demo, Source::File);
     let scene = Scene::load_as(source, colours, way, size, &config)?;
     let mut life = scene::turned(scene.look().life.at(config.frames_per_second), config.rotation);

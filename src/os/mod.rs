@@ -36,6 +36,7 @@ mod probe;
 pub mod progress;
 mod run;
 pub mod scene;
+mod script_file;
 mod service;
 pub mod sidecar;
 pub mod state;

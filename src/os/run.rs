@@ -9,10 +9,11 @@ use super::{
     dimmer::Dimmer,
     evdev::Keyboards,
     interrupt::{Interrupt, ReloadRequest},
-    loader::{Living, Loader},
+    loader::{Living, Loader, Order},
     panel::Panel,
     render,
     scene::{Colours, Way},
+    script_file,
     service::{Idle, Service},
     set_log_level,
     stdout::print_line,
@@ -31,9 +32,7 @@ use crate::{
 use clap::Parser;
 use std::{
     env,
-    fs::File,
-    io::Read,
-    path::{Path, PathBuf},
+    path::PathBuf,
     sync::Arc,
     thread::sleep,
     time::{Duration, Instant},
@@ -59,29 +58,13 @@ pub(super) fn run(args: &args::Run) -> Result<(), Failure> {
     let config = Config::resolve(args)?;
     set_log_level(config.log);
     let path = args.script.as_deref();
-    let text = path.map_or(Ok(String::new()), read_script)?;
-    let refused = |error| Failure::new(format!("{}: {error}", path.unwrap_or(Path::new("")).display()));
-    let mut script = Script::parse(&text).map_err(refused)?;
+    let text = path.map_or(Ok(String::new()), script_file::read)?;
+    let mut script = path.map_or(Ok(Script::default()), |path| script_file::parse(path, &text))?;
     let mut service = Service::from_env();
     let panel = Panel::open(&config.display, config.frames_per_second, &mut service)?;
     let mut running = Running::new(config, args, panel, service)?;
     running.args = Some(args.clone());
     running.show(&mut script)
-}
-
-/// The most bytes of a script: a press a second for a week would fit.
-const LONGEST_SCRIPT: u64 = 16 << 20;
-
-/// The text of a script, of a file or of a pipe.
-fn read_script(path: &Path) -> Result<String, Failure> {
-    let refused = |why: &str| Failure::new(format!("{}: {why}", path.display()));
-    let mut bytes = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(LONGEST_SCRIPT + 1).read_to_end(&mut bytes));
-    read.map_err(|error| refused(&format!("the script cannot be read ({error}); name another file")))?;
-    if bytes.len() as u64 > LONGEST_SCRIPT {
-        return Err(refused("the script is over 16 MiB; make it shorter"));
-    }
-    String::from_utf8(bytes).map_err(|_| refused("the script is no text; save it as UTF-8"))
 }
 
 /// How long to wait where there is nothing to show: before a display that is gone is asked again, while the panel is off, and
@@ -359,8 +342,15 @@ impl Running {
             Some((photo, path)) if *photo == id => Some(Colours::Chosen(path.clone())),
             _ => self.album.neighbour(id).map(Colours::Offered),
         };
-        let azimuth = self.orbit.azimuth();
-        self.loader.order(id, self.album.path(id), colours, self.way, azimuth, size, &self.config);
+        self.loader.order(Order {
+            id,
+            path: self.album.path(id),
+            colours,
+            way: self.way,
+            azimuth: self.orbit.azimuth(),
+            size,
+            config: Arc::clone(&self.config),
+        });
     }
 
     /// Shows a photo from now on.

@@ -7,7 +7,7 @@ use super::{
     Branch, Range, Settings, bands, sliding,
     storage::{Block, Planes, Words},
 };
-use crate::math::{lanes::LANES, whole_root};
+use crate::math::{lanes::LANES, whole_roots};
 use bytemuck::Zeroable as _;
 
 /// The window of [`Range::Neighbourhood`] on a picture of up to 480 rows, in pixels to each side: 9 × 9. It grows with
@@ -60,27 +60,32 @@ fn find_extremes(planes: &mut Planes<'_>) {
 fn swing(planes: &mut Planes<'_>, settings: &Settings) {
     for y in 0..planes.blocks.size.height as usize {
         for (x, Block { words }) in (0..).step_by(LANES).zip(planes.blocks.row_mut(y)) {
-            for (lane, luma) in words[Words::Luma as usize].into_iter().enumerate() {
-                let (max, min) = match settings.range {
-                    Range::Full => (255 << 7, 0),
-                    _ => (
-                        words[Words::CentreV as usize][lane].into(),
-                        -i32::from(words[Words::CosineV as usize][lane]),
-                    ),
-                };
-                let (centre, amplitude) = ((max + min) >> 1, (max - min) >> 1);
-                let quadrature = i32::from(luma) - centre;
-                let in_phase =
-                    whole_root((amplitude * amplitude - quadrature * quadrature).max(0) as u64) as i16;
-                let rises = match settings.branch {
-                    Branch::Rising => true,
-                    Branch::Falling => false,
-                    Branch::Scattered => scatter(x + lane as u32, y as u32),
-                };
-                words[Words::SineV as usize][lane] = if rises { in_phase } else { -in_phase };
-                words[Words::CosineV as usize][lane] = quadrature as i16;
-                words[Words::CentreV as usize][lane] = centre as i16;
+            let luma = words[Words::Luma as usize];
+            let (max, least) = match settings.range {
+                Range::Full => ([255 << 7; LANES], [0; LANES]),
+                _ => (words[Words::CentreV as usize], words[Words::CosineV as usize]),
+            };
+            let (mut centre, mut quadrature, mut squares) = ([0; LANES], [0; LANES], [0; LANES]);
+            for i in 0..LANES {
+                let (max, min) = (i32::from(max[i]), -i32::from(least[i]));
+                let (middle, amplitude) = ((max + min) >> 1, (max - min) >> 1);
+                let offset = i32::from(luma[i]) - middle;
+                squares[i] = (amplitude * amplitude - offset * offset).max(0) as u32;
+                (centre[i], quadrature[i]) = (middle as i16, offset as i16);
             }
+            let mut in_phase = [0; LANES];
+            in_phase.iter_mut().zip(whole_roots(squares)).for_each(|(height, root)| *height = root as i16);
+            match settings.branch {
+                Branch::Rising => {}
+                Branch::Falling => in_phase.iter_mut().for_each(|height| *height = -*height),
+                Branch::Scattered => {
+                    let falling = (x..).zip(&mut in_phase).filter(|(x, _)| !scatter(*x, y as u32));
+                    falling.for_each(|(_, height)| *height = -*height);
+                }
+            }
+            words[Words::SineV as usize] = in_phase;
+            words[Words::CosineV as usize] = quadrature;
+            words[Words::CentreV as usize] = centre;
         }
     }
 }

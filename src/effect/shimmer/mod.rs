@@ -35,6 +35,7 @@ mod shade;
 mod sliding;
 mod spans;
 mod storage;
+mod tent;
 
 #[cfg(test)]
 mod reference;

@@ -39,14 +39,15 @@ impl Plane {
         inside(y, self.height()).flat_map(move |y| columns.clone().map(move |x| self.at(x, y)))
     }
 
+    /// A box of `radius`, twice in each direction, edges repeated.
     fn blurred(&self, radius: isize) -> Self {
-        let offsets = || -radius..=radius;
-        let divisor = (2 * radius + 1) as f64;
-        let once = |plane: &Self| {
-            let rows = plane.map(|x, y| offsets().map(|d| plane.at(x + d, y)).sum::<f64>() / divisor);
-            rows.map(|x, y| offsets().map(|d| rows.at(x, y + d)).sum::<f64>() / divisor)
+        let side = 2 * radius + 1;
+        let weigh = |at: &dyn Fn(isize) -> f64| {
+            let sum = (1 - side..side).map(|d| (side - d.abs()) as f64 * at(d)).sum::<f64>();
+            sum / (side * side) as f64
         };
-        once(&once(self))
+        let columns = self.map(|x, y| weigh(&|d| self.at(x, y + d)));
+        columns.map(|x, y| weigh(&|d| columns.at(x + d, y)))
     }
 
     fn sobel(&self, x: isize, y: isize) -> [f64; 2] {

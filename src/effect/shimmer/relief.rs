@@ -4,14 +4,14 @@ use super::{
     super::Photo,
     Range, Settings,
     shade::{Light, ONE, SLOPE_ONE},
-    storage::{Block, Blocks, Packed, Planes, Scratch, Words},
+    storage::{Block, Blocks, Packed, Planes, Words},
 };
 use crate::{
     frame::Size,
     math::{
         Turns,
         lanes::{LANES, Lanes},
-        whole_root,
+        quotients, whole_roots,
     },
 };
 
@@ -26,13 +26,37 @@ pub(super) const fn scale(size: Size) -> i32 {
     if scale < 1 << SCALE_BITS { 1 << SCALE_BITS } else { scale }
 }
 
+/// A radius on a picture of up to 480 rows as one on a picture of `size`.
+pub(super) const fn scaled(radius: usize, size: Size) -> usize {
+    (radius * scale(size) as usize + (1 << (SCALE_BITS - 1))) >> SCALE_BITS
+}
+
 /// Turns the heights (in the words of the v slopes) into slopes, finds the gain in the mean shade, and packs it all for the frames.
 #[inline(always)]
 pub(super) fn fill<L: Lanes>(planes: &mut Planes<'_>, photo: Photo<'_>, settings: &Settings, light: Light) {
     let axes = Axes::new(settings, planes.blocks.size);
     let Planes { blocks, scratch, .. } = planes;
-    for (u, v) in SLOPES {
-        gradient(blocks, u, v, scratch, axes);
+    let (_, [p0, p1, p2, q0, q1, q2, c0, c1, c2, along_u, along_v]) = scratch.rows::<0, 11>();
+    // The heights of the rows above, at and below.
+    let mut heights = [[p0, p1, p2], [q0, q1, q2], [c0, c1, c2]];
+    let (width, height) = (blocks.size.width as usize, blocks.size.height as usize);
+    for ((_, v), [above, at, _]) in SLOPES.into_iter().zip(&mut heights) {
+        blocks.read(v, 0, above);
+        blocks.read(v, 0, at);
+    }
+    for y in 0..height {
+        // Row y is replaced only after row y + 1 was read; the last one is repeated.
+        for ((u, v), rows) in SLOPES.into_iter().zip(&mut heights) {
+            let [above, at, below] = rows.each_mut().map(|row| &mut **row);
+            match y + 1 < height {
+                true => blocks.read(v, y + 1, below),
+                false => below.copy_from_slice(at),
+            }
+            slopes_of_row([above, at, below].map(|row| &row[..width]), along_u, along_v, axes);
+            blocks.write(u, y, along_u);
+            blocks.write(v, y, along_v);
+            rows.rotate_left(1);
+        }
     }
     finish::<L>(blocks, photo, light, settings.range == Range::Full);
 }
@@ -124,32 +148,12 @@ impl Axes {
 /// Fractional bits of a slope before [`flatten`]: room for ±32.
 const STEEP_BITS: u32 = 10;
 
-/// Replaces the heights in `v` (Q7) by slopes along the axes, Q10, saturated. The gradient is Sobel's, which smooths across the
-/// direction that it differentiates; edges are repeated.
-#[inline(always)]
-fn gradient(blocks: &mut Blocks<'_>, u: Words, v: Words, scratch: &mut Scratch<'_>, axes: Axes) {
-    let ([mut above, mut at, mut below, along_u, along_v], _) = scratch.rows();
-    let height = blocks.size.height as usize;
-    blocks.read(v, 0, at);
-    above.copy_from_slice(at);
-    for y in 0..height {
-        // Row y is replaced only after row y + 1 was read.
-        match y + 1 < height {
-            true => blocks.read(v, y + 1, below),
-            false => below.copy_from_slice(at),
-        }
-        slopes_of_row([above, at, below], along_u, along_v, axes);
-        blocks.write(u, y, along_u);
-        blocks.write(v, y, along_v);
-        (above, at, below) = (at, below, above);
-    }
-}
-
+/// From the heights (Q7) above, at and below a row to its slopes along the axes, Q10, saturated. The gradient is Sobel's, which
+/// smooths across the direction that it differentiates; edges are repeated.
 #[inline(always)]
 fn slopes_of_row(rows: [&[i16]; 3], along_u: &mut [i16], along_v: &mut [i16], axes: Axes) {
-    let width = along_u.len();
-    let rows = rows.map(|row| &row[..width]);
-    let along_v = &mut along_v[..width];
+    let width = rows[0].len();
+    let (along_u, along_v) = (&mut along_u[..width], &mut along_v[..width]);
     let last = width - 1;
     (along_u[0], along_v[0]) = axes.slopes(rows, 0, 0, 1.min(last));
     for x in 1..last {
@@ -167,30 +171,33 @@ const STEEPEST: u32 = 1440;
 /// its shape.
 #[inline(always)]
 fn flatten(block: &mut Block) {
-    let slopes = block.words.first_chunk_mut::<6>();
-    let Some(slopes) = slopes else { return };
+    let Some(slopes) = block.words.first_chunk_mut::<6>() else { return };
     let mut rough = [0; LANES];
     for words in &*slopes {
         rough.iter_mut().zip(words).for_each(|(sum, word)| *sum += u32::from(word.unsigned_abs()));
     }
-    let mut factors = [SLOPE_ONE; LANES];
-    for (lane, factor) in factors.iter_mut().enumerate().filter(|&(lane, _)| rough[lane] > STEEPEST) {
-        *factor = flattening(slopes.each_ref().map(|words| words[lane]));
-    }
+    let steep = rough.iter().fold(0, |steepest: u32, &rough| steepest.max(rough)) > STEEPEST;
+    let factors = if steep { flattening(slopes) } else { [SLOPE_ONE as u32; LANES] };
     for words in slopes {
         for (word, factor) in words.iter_mut().zip(factors) {
-            *word = ((i32::from(*word) * factor) >> STEEP_BITS) as i16;
+            *word = ((i32::from(*word) * factor as i32) >> STEEP_BITS) as i16;
         }
     }
 }
 
-/// The factor that flattens a pixel's slopes, in units of 2^-14.5.
+/// The factors that flatten the pixels' slopes, in units of 2^-14.5.
 #[inline(always)]
-fn flattening(slopes: [i16; 6]) -> i32 {
-    let [pu, pv, qu, qv, cu, cv] = slopes.map(|s| (i32::from(s) * i32::from(s)) as u64);
-    let steepest = whole_root(pu + pv + qu + qv) + whole_root(cu + cv);
-    let flattened = (STEEPEST * SLOPE_ONE as u32).checked_div(steepest);
-    flattened.map_or(SLOPE_ONE, |factor| SLOPE_ONE.min(factor as i32))
+fn flattening([pu, pv, qu, qv, cu, cv]: &[[i16; LANES]; 6]) -> [u32; LANES] {
+    let (mut swings, mut centres) = ([0; LANES], [0; LANES]);
+    for i in 0..LANES {
+        // At most 2^15 each, so that four squares would be 2^32 at the most: one less, where they are.
+        let square = |slope: i16| (i32::from(slope) * i32::from(slope)) as u32;
+        swings[i] = (square(pu[i]) + square(pv[i]) + square(qu[i])).saturating_add(square(qv[i]));
+        centres[i] = square(cu[i]) + square(cv[i]);
+    }
+    let (swings, mut steepest) = (whole_roots(swings), whole_roots(centres));
+    steepest.iter_mut().zip(swings).for_each(|(sum, swing)| *sum = (*sum + swing).max(STEEPEST));
+    quotients(STEEPEST * SLOPE_ONE as u32, steepest)
 }
 
 /// The swing at which the mean shade is taken: the root mean square of X_A, which has mean 1/2 and deviation 1/6

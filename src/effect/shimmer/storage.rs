@@ -8,6 +8,8 @@ use super::{
         StorageTooSmall,
         storage::{take, words},
     },
+    bands::WIDEST_RADIUS,
+    relief,
     spans::{self, Span},
 };
 use crate::{
@@ -126,19 +128,19 @@ impl Blocks<'_> {
         &mut self.blocks[y * count..][..count]
     }
 
-    /// Copies words of row `y` into `row`, which is as long as the picture is wide.
+    /// Copies words of row `y` to the start of `row`, whole blocks: [`Scratch::rows`] are long enough.
     #[inline(always)]
     pub(super) fn read(&self, which: Words, y: usize, row: &mut [i16]) {
-        for (to, block) in row.chunks_mut(LANES).zip(self.row(y)) {
-            to.copy_from_slice(&block.words(which)[..to.len()]);
+        for (to, block) in row.as_chunks_mut::<LANES>().0.iter_mut().zip(self.row(y)) {
+            *to = *block.words(which);
         }
     }
 
-    /// Copies `row` into words of row `y`.
+    /// Copies the start of `row` into words of row `y`.
     #[inline(always)]
     pub(super) fn write(&mut self, which: Words, y: usize, row: &[i16]) {
-        for (from, block) in row.chunks(LANES).zip(self.row_mut(y)) {
-            block.words[which as usize][..from.len()].copy_from_slice(from);
+        for (from, block) in row.as_chunks::<LANES>().0.iter().zip(self.row_mut(y)) {
+            block.words[which as usize] = *from;
         }
     }
 }
@@ -201,28 +203,42 @@ pub(super) struct Planes<'a> {
     pub(super) scratch: Scratch<'a>,
 }
 
-/// Rows for preparation, each as long as the picture is wide.
+/// Rows for preparation.
 #[derive(Debug)]
 pub(super) struct Scratch<'a> {
-    width: usize,
+    /// Of a row.
+    len: usize,
     words: &'a mut [i32],
 }
 
 /// Rows of i32 that preparation needs besides the blocks.
-const SCRATCH_ROWS: usize = 7;
+const SCRATCH_ROWS: usize = 12;
 
 impl Scratch<'_> {
-    /// Rows of 16 bits, and one of 32.
-    pub(super) fn rows<const N: usize>(&mut self) -> ([&mut [i16]; N], &mut [i32]) {
-        const { assert!(N <= 2 * (SCRATCH_ROWS - 1)) }
-        let (sums, words) = self.words.split_at_mut(self.width);
-        let mut rows = bytemuck::cast_slice_mut(words).chunks_exact_mut(self.width);
-        (core::array::from_fn(|_| rows.next().unwrap_or_default()), sums)
+    /// Rows of 32 bits and of 16 bits, each as long as the blocks of a row with [`margin`] on both sides.
+    #[inline(always)]
+    pub(super) fn rows<const WIDE: usize, const NARROW: usize>(
+        &mut self,
+    ) -> ([&mut [i32]; WIDE], [&mut [i16]; NARROW]) {
+        const { assert!(WIDE + NARROW.div_ceil(2) <= SCRATCH_ROWS) }
+        let (wide, narrow) = self.words.split_at_mut(WIDE * self.len);
+        let mut wide = wide.chunks_exact_mut(self.len);
+        let mut narrow = bytemuck::cast_slice_mut(narrow).chunks_exact_mut(self.len);
+        (
+            core::array::from_fn(|_| wide.next().unwrap_or_default()),
+            core::array::from_fn(|_| narrow.next().unwrap_or_default()),
+        )
     }
 }
 
+/// Columns beyond each end of a row that the widest window of preparation reaches: a tent of twice the radius of its boxes, and one more
+/// for its differences.
+pub(super) const fn margin(size: Size) -> usize {
+    2 * relief::scaled(WIDEST_RADIUS, size) + 2
+}
+
 /// Words of 64 bits that [`super::Shimmer::prepare`] needs for a photo of `size`: 14 bytes a pixel of rows that are padded to multiples of
-/// 16, 1/8 byte a pixel for the spans of what moves, and 28 bytes a column of scratch.
+/// 16, 1/8 byte a pixel for the spans of what moves, and 48 bytes a column of scratch, whose rows reach a little beyond the picture.
 pub const fn storage_len(size: Size) -> usize {
     let blocks = words::<Block>(blocks_a_row(size.width) * size.height as usize);
     let spans = words::<Span>(spans::most(size.width) * size.height as usize);
@@ -234,7 +250,11 @@ const fn blocks_a_row(width: u32) -> usize {
 }
 
 const fn scratch_len(size: Size) -> usize {
-    SCRATCH_ROWS * size.width as usize
+    SCRATCH_ROWS * scratch_row(size)
+}
+
+const fn scratch_row(size: Size) -> usize {
+    blocks_a_row(size.width) * LANES + 2 * margin(size)
 }
 
 impl<'a> Planes<'a> {
@@ -249,7 +269,7 @@ impl<'a> Planes<'a> {
         Some(Self {
             blocks: Blocks { size, blocks: take(memory, blocks_a_row(size.width) * height)? },
             spans: take(memory, spans::most(size.width) * height)?,
-            scratch: Scratch { width: size.width as usize, words: take(memory, scratch_len(size))? },
+            scratch: Scratch { len: scratch_row(size), words: take(memory, scratch_len(size))? },
         })
     }
 
