@@ -108,7 +108,7 @@ fn ridge(hill: &Hill, x: i32, horizon: i32, height: i32, seed: u64) -> i32 {
         let noise = fbm(scaled(x, hill.rough, height) / 4, 0, 6, seed);
         // Sharp where the noise crosses zero.
         return horizon - rise
-            + ((noise.abs() * 2).min(1 << 15) as i64 * i64::from(rise) * 3 / 4 >> 15) as i32;
+            + ((i64::from((noise.abs() * 2).min(1 << 15)) * i64::from(rise) * 3 / 4) >> 15) as i32;
     }
     let line = fbm(scaled(x, hill.rough / 4 + 1, height), 0, 3, seed);
     // The tops of trees.

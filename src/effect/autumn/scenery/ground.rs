@@ -50,7 +50,7 @@ pub(super) fn paint(backdrop: &mut Backdrop<'_>, shadow: Shadow) {
             let patch = patches(backdrop, x, near);
             let fine = fbm(scaled(x, 230, height), scaled(y, 400, height), 2, backdrop.seed ^ 11);
             let light = 256 + ((patch * 60) >> 15) + ((fine * 34) >> 15);
-            let light = light * shadow.light(x, y, height) >> 8;
+            let light = (light * shadow.light(x, y, height)) >> 8;
             let dry = (patch >> 9).clamp(-30, 60) * 128;
             backdrop.set(x, y, [base[0] + dry, base[1], base[2]].map(|level| (level * light) >> 8));
         }
@@ -97,7 +97,7 @@ fn row(backdrop: &mut Backdrop<'_>, y: i32, near: i32, tall: i32, shadow: Shadow
         };
         // Distance takes their colour away.
         let colour = blend(backdrop.scene.ground[0], colour, (96 + near).min(256));
-        let light = shadow.light(x, y, height) * (205 + byte(32) / 3) >> 8;
+        let light = (shadow.light(x, y, height) * (205 + byte(32) / 3)) >> 8;
         let colour = colour.map(|level| (level * light) >> 8);
         blade(backdrop, [x, y], length, lean, thick, colour);
     }
@@ -118,8 +118,8 @@ fn blade(
             continue;
         }
         let share = up * 256 / length;
-        let middle = (x << SPOT) + ((lean * share >> 8) * share >> 8);
-        let half = (thick * (276 - share) >> 9).max(20);
+        let middle = (x << SPOT) + ((((lean * share) >> 8) * share) >> 8);
+        let half = ((thick * (276 - share)) >> 9).max(20);
         let light = 140 + share / 2;
         let colour = colour.map(|level| (level * light) >> 8);
         let (left, right) = (middle - half, middle + half);

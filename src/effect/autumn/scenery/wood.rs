@@ -66,7 +66,7 @@ fn paint_crown(backdrop: &mut Backdrop<'_>, conifer: bool, crown: &Crown) {
             // How deep within the crown this is, of 256.
             let inside = if conifer {
                 // Storeys of boughs, each wider below.
-                let storey = (down * 7 & 0xff) / 4;
+                let storey = ((down * 7) & 0xff) / 4;
                 down * 3 / 4 + storey - 20 - aside.abs() + rough / 320
             } else {
                 // Broad below, round above, and full of bumps.
