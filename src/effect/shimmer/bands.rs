@@ -93,7 +93,10 @@ fn swing(
             .zip(fine)
             .zip(coarse)
             .for_each(|((q, &fine), &coarse)| *q = fine.wrapping_add(coarse).into());
-        let shares = evened(p, &q);
+        // Beyond the end of the row there may be anything; its squares must have room all the same.
+        let mut p = *p;
+        p.iter_mut().for_each(|p| *p = (*p).clamp(-32_767, 32_767));
+        let shares = evened(&p, &q);
         let luma = block.words[Words::Luma as usize];
         for i in 0..LANES {
             let share = shares[i] as i32;
