@@ -3,15 +3,13 @@
 use crate::{
     config::Life,
     effect::{
-        Effect, Moment, Photo,
+        Area, Effect, Moment, Photo,
         autumn::{self, Autumn, Stage, Tree},
         fluid::{self, Base, Clip, Fluid, PrepareError, Source},
         kaleidoscope::{self, Kaleidoscope, Reference},
-        paint,
         shimmer::{self, Shimmer},
     },
-    frame::{Size, pack::Levels},
-    math::lanes::Lanes,
+    frame::{FrameMut, Size, pack::Block},
     noise::drive::Drive,
 };
 use core::ops::Range;
@@ -20,7 +18,7 @@ use core::ops::Range;
 #[derive(Debug)]
 #[expect(
     clippy::large_enum_variant,
-    reason = "there are three of them at the most, and the core has no heap to put one in"
+    reason = "there are two of them at the most, and the core has no heap to put one in"
 )]
 pub enum Picture<S, C> {
     /// See [`shimmer`].
@@ -158,35 +156,21 @@ impl Moment for PictureMoment<'_> {
         }
     }
 
-    #[inline(always)]
-    fn fetch<L: Lanes>(&self, columns: Range<usize>, y: u32) {
+    fn colours(&self, x: usize, y: u32, blocks: &mut [Block]) {
         match self {
-            Self::Shimmer(moment) => moment.fetch::<L>(columns, y),
-            Self::Kaleidoscope(moment) => moment.fetch::<L>(columns, y),
-            Self::Autumn(moment) => moment.fetch::<L>(columns, y),
-            Self::Fluid(moment) => moment.fetch::<L>(columns, y),
+            Self::Shimmer(moment) => moment.colours(x, y, blocks),
+            Self::Kaleidoscope(moment) => moment.colours(x, y, blocks),
+            Self::Autumn(moment) => moment.colours(x, y, blocks),
+            Self::Fluid(moment) => moment.colours(x, y, blocks),
         }
     }
 
-    #[inline(always)]
-    fn colours<L: Lanes>(&self, columns: Range<usize>, y: u32) -> impl Iterator<Item = [L; 3]> {
+    fn paint(&self, area: Area, out: &mut FrameMut<'_>) {
         match self {
-            // One kernel is part of every loop that paints; the others fill runs of levels first, or the program would hold each of
-            // them as often as there are loops, formats and instruction sets.
-            Self::Shimmer(moment) => One::Shimmer(moment.colours(columns, y)),
-            Self::Kaleidoscope(moment) => One::Kaleidoscope(paint::Runs::new(moment, columns, y)),
-            Self::Autumn(moment) => One::Autumn(paint::Runs::new(moment, columns, y)),
-            Self::Fluid(moment) => One::Fluid(paint::Runs::new(moment, columns, y)),
-        }
-    }
-
-    #[inline]
-    fn levels(&self, x: usize, y: u32, levels: &mut Levels<'_>) {
-        match self {
-            Self::Shimmer(moment) => moment.levels(x, y, levels),
-            Self::Kaleidoscope(moment) => moment.levels(x, y, levels),
-            Self::Autumn(moment) => moment.levels(x, y, levels),
-            Self::Fluid(moment) => moment.levels(x, y, levels),
+            Self::Shimmer(moment) => moment.paint(area, out),
+            Self::Kaleidoscope(moment) => moment.paint(area, out),
+            Self::Autumn(moment) => moment.paint(area, out),
+            Self::Fluid(moment) => moment.paint(area, out),
         }
     }
 }
@@ -208,7 +192,6 @@ where
 {
     type Item = T;
 
-    #[inline(always)]
     fn next(&mut self) -> Option<T> {
         match self {
             Self::Shimmer(items) => items.next(),

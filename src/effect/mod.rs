@@ -12,11 +12,11 @@ pub mod paint;
 pub mod shimmer;
 mod storage;
 
-pub use paint::Paint;
+pub use paint::{Area, Paint};
 
 use crate::{
-    frame::{FrameMut, Size, pack::Levels},
-    math::{Factor, lanes::Lanes},
+    frame::{FrameMut, Size, pack::Block},
+    math::Factor,
     noise::drive::Drive,
 };
 use core::{fmt, ops::Range};
@@ -45,25 +45,20 @@ pub trait Moment {
     /// The columns of row `y` that can differ from those of the moments before and after.
     fn moving(&self, y: u32) -> impl Iterator<Item = Range<usize>>;
 
-    /// Starts to fetch what the colours of these columns of row `y` are made of: they are painted soon.
-    #[inline(always)]
-    fn fetch<L: Lanes>(&self, _columns: Range<usize>, _y: u32) {}
+    /// Fills `blocks`, at most [`RUN`] of them, with the colours of row `y` from column `x` on, which is a multiple of 16 and within the row. What is
+    /// beyond the row's end may be anything.
+    fn colours(&self, x: usize, y: u32, blocks: &mut [Block]);
 
-    /// Fills `levels`, at most [`RUN`] of them, with the colours of the pixels from column `x` of row `y` on.
-    fn levels(&self, x: usize, y: u32, levels: &mut Levels<'_>);
-
-    /// The colours of row `y`, a block of 16 pixels at a time, from the column where `columns` starts, a multiple of 16, until they are covered.
-    /// They are those of [`Moment::levels`], but may go beyond 0..=4080 where those are cut, and may be anything beyond the row.
+    /// Paints what of it is in `area`.
     ///
-    /// An effect that computes its pixels in lanes overrides this, `#[inline(always)]`.
-    #[inline(always)]
-    fn colours<L: Lanes>(&self, columns: Range<usize>, y: u32) -> impl Iterator<Item = [L; 3]> {
-        paint::Runs::new(self, columns, y)
+    /// Colours go from [`Moment::colours`] into the frame by way of the first-level cache. An effect for which that is too slow overrides this.
+    fn paint(&self, area: Area, out: &mut FrameMut<'_>) {
+        paint::by_runs(self, area, out);
     }
 }
 
-/// The most pixels that are computed at a time: their levels stay in the first-level cache.
-pub const RUN: usize = 128;
+/// The most blocks that are computed at a time: 512 pixels, which with a second picture take 6 KB of the first-level cache.
+pub const RUN: usize = 32;
 
 /// A photo as the panel shows it.
 #[derive(Clone, Copy, Debug)]

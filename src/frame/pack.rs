@@ -2,7 +2,7 @@
 
 use super::{PixelFormat, dither};
 use crate::math::{
-    lanes::{LANES, Lanes},
+    lanes::{LANES, Lanes, Task, on_widest},
     mul_q15,
 };
 
@@ -12,23 +12,9 @@ pub type Level = u16;
 /// The full level.
 pub const WHITE: Level = 255 << 4;
 
-/// Colours of a run of pixels, a plane a channel, all of one length.
-#[derive(Debug)]
-pub struct Levels<'a> {
-    /// Red.
-    pub red: &'a mut [Level],
-    /// Green.
-    pub green: &'a mut [Level],
-    /// Blue.
-    pub blue: &'a mut [Level],
-}
-
-impl Levels<'_> {
-    /// The three planes, to be treated alike.
-    pub fn planes(&mut self) -> [&mut [Level]; 3] {
-        [self.red, self.green, self.blue]
-    }
-}
+/// The colours of sixteen pixels side by side, a row of levels a channel: red, green, blue. Where levels are not said to be within 0..=4080, they may go up to 2^15 − 256,
+/// and are brought within when they are packed.
+pub type Block = [[i16; LANES]; 3];
 
 /// Levels that may lie beyond 0..=4080, brought within.
 #[inline(always)]
@@ -36,10 +22,60 @@ pub fn clipped<L: Lanes>(levels: L) -> L {
     levels.at_least(L::splat(0)).at_most(L::splat(WHITE as i16))
 }
 
-/// Writes the pixels of a block into `out`, which has room for just them: those of [`pack`] on the [`clipped`] levels. `thresholds` are those
-/// of the row.
+/// Writes the pixels of `blocks` into `out`, of row `y`, without the first `skip` of them (fewer than 16), until it is full.
+///
+/// Levels are brought to the format's own steps by ordered dithering with the fixed tile of [`dither`]: what the format can
+/// show exactly stays exact, and the mean over a tile is within 1/256 of a step of the level asked for.
+pub fn pack(format: PixelFormat, blocks: &[Block], skip: usize, y: u32, out: &mut [u8]) {
+    on_widest(Packing { format, blocks, skip, y, out });
+}
+
+struct Packing<'a> {
+    format: PixelFormat,
+    blocks: &'a [Block],
+    skip: usize,
+    y: u32,
+    out: &'a mut [u8],
+}
+
+impl Task for Packing<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        // A loop for each of the formats that panels commonly have.
+        match self.format {
+            PixelFormat::Xrgb8888 => self.blocks::<L>(PixelFormat::Xrgb8888),
+            PixelFormat::Rgb565 => self.blocks::<L>(PixelFormat::Rgb565),
+            format => self.blocks::<L>(format),
+        }
+    }
+}
+
+impl Packing<'_> {
+    #[inline(always)]
+    fn blocks<L: Lanes>(self, format: PixelFormat) {
+        let (bytes, thresholds) = (format.bytes_per_pixel(), thresholds::<L>(self.y));
+        let (mut skip, mut out) = (self.skip, self.out);
+        for [red, green, blue] in self.blocks {
+            let colours = [L::load(red), L::load(green), L::load(blue)];
+            let length = out.len().min((LANES - skip) * bytes);
+            let (pixels, rest) = out.split_at_mut(length);
+            if length == LANES * bytes {
+                pack_block(format, colours, thresholds, pixels);
+            } else {
+                let mut whole = [0; LANES * 4];
+                pack_block(format, colours, thresholds, &mut whole[..LANES * bytes]);
+                pixels.copy_from_slice(&whole[skip * bytes..][..length]);
+            }
+            (skip, out) = (0, rest);
+        }
+    }
+}
+
+/// Writes the pixels of a block into `out`, which has room for just them. `thresholds` are those of the row.
 #[inline(always)]
-pub fn pack_block<L: Lanes>(format: PixelFormat, colours: [L; 3], thresholds: L, out: &mut [u8]) {
+pub(crate) fn pack_block<L: Lanes>(format: PixelFormat, colours: [L; 3], thresholds: L, out: &mut [u8]) {
     let bgr = [colours[2], colours[1], colours[0]];
     match format {
         PixelFormat::Xrgb8888 => pack_8888(bgr, thresholds, out),
@@ -47,21 +83,20 @@ pub fn pack_block<L: Lanes>(format: PixelFormat, colours: [L; 3], thresholds: L,
         PixelFormat::Rgb565 => pack_565(colours, thresholds, out),
         PixelFormat::Bgr565 => pack_565(bgr, thresholds, out),
         PixelFormat::Rgb888 | PixelFormat::Bgr888 | PixelFormat::Xrgb2101010 => {
-            let mut planes = [[0; LANES]; 3];
-            for (plane, levels) in planes.iter_mut().zip(colours) {
-                clipped(levels).store(bytemuck::cast_mut(plane));
-            }
-            let mut own = [0; LANES];
+            let (mut block, mut own) = ([[0; LANES]; 3], [0; LANES]);
+            let [red, green, blue] = &mut block;
+            colours[0].store(red);
+            colours[1].store(green);
+            colours[2].store(blue);
             thresholds.store(&mut own);
-            let [red, green, blue] = planes.each_mut().map(|plane| &mut plane[..]);
-            pack_with(format, &Levels { red, green, blue }, &own.map(|t| t as u8), 0, out);
+            pack_plainly(format, &block, &own, out);
         }
     }
 }
 
 /// The thresholds of row `y` for [`pack_block`].
 #[inline(always)]
-pub fn thresholds<L: Lanes>(y: u32) -> L {
+pub(crate) fn thresholds<L: Lanes>(y: u32) -> L {
     L::load_q7(dither::thresholds(y)).down::<7>()
 }
 
@@ -83,54 +118,22 @@ fn pack_565<L: Lanes>([high, green, low]: [L; 3], thresholds: L, out: &mut [u8])
     }
 }
 
-/// Writes pixels `x`.. of row `y` into `out`, whose length is that of the run in `format`.
-///
-/// Levels are brought to the format's own steps by ordered dithering with the fixed tile of [`dither`]: what the format can
-/// show exactly stays exact, and the mean over a tile is within 1/256 of a step of the level asked for.
-pub fn pack(format: PixelFormat, colours: &Levels<'_>, x: u32, y: u32, out: &mut [u8]) {
-    pack_with(format, colours, dither::thresholds(y), x, out);
-}
-
-/// [`pack`] with the thresholds of a row.
-#[inline(always)]
-fn pack_with(format: PixelFormat, colours: &Levels<'_>, row: &[u8; dither::SIDE], x: u32, out: &mut [u8]) {
-    match format {
-        PixelFormat::Xrgb8888 => pack_as::<4>(colours, x, row, out, |[r, g, b], t| {
-            (0xff00_0000 | to_8(r, t) << 16 | to_8(g, t) << 8 | to_8(b, t)).to_le_bytes()
-        }),
-        PixelFormat::Xbgr8888 => pack_as::<4>(colours, x, row, out, |[r, g, b], t| {
-            (0xff00_0000 | to_8(b, t) << 16 | to_8(g, t) << 8 | to_8(r, t)).to_le_bytes()
-        }),
-        PixelFormat::Rgb888 => {
-            pack_as::<3>(colours, x, row, out, |[r, g, b], t| [b, g, r].map(|level| to_8(level, t) as u8));
-        }
-        PixelFormat::Bgr888 => {
-            pack_as::<3>(colours, x, row, out, |[r, g, b], t| [r, g, b].map(|level| to_8(level, t) as u8));
-        }
-        PixelFormat::Rgb565 => pack_as::<2>(colours, x, row, out, |[r, g, b], t| {
-            ((to_5(r, t) << 11 | to_6(g, t) << 5 | to_5(b, t)) as u16).to_le_bytes()
-        }),
-        PixelFormat::Bgr565 => pack_as::<2>(colours, x, row, out, |[r, g, b], t| {
-            ((to_5(b, t) << 11 | to_6(g, t) << 5 | to_5(r, t)) as u16).to_le_bytes()
-        }),
-        PixelFormat::Xrgb2101010 => pack_as::<4>(colours, x, row, out, |[r, g, b], t| {
-            (0xc000_0000 | to_10(r, t) << 20 | to_10(g, t) << 10 | to_10(b, t)).to_le_bytes()
-        }),
-    }
-}
-
-#[inline(always)]
-fn pack_as<const BYTES: usize>(
-    colours: &Levels<'_>,
-    x: u32,
-    row: &[u8; dither::SIDE],
-    out: &mut [u8],
-    pixel: impl Fn([Level; 3], u32) -> [u8; BYTES],
-) {
-    let (pixels, _) = out.as_chunks_mut::<BYTES>();
-    let channels = colours.red.iter().zip(&*colours.green).zip(&*colours.blue);
-    for (i, (out, ((&r, &g), &b))) in pixels.iter_mut().zip(channels).enumerate() {
-        *out = pixel([r, g, b], u32::from(row[(x as usize + i) % dither::SIDE]));
+/// [`pack_block`] a pixel at a time, which the others equal to the bit.
+#[inline(never)]
+fn pack_plainly(format: PixelFormat, block: &Block, thresholds: &[i16; LANES], out: &mut [u8]) {
+    let level = |channel: usize, i: usize| block[channel][i].clamp(0, WHITE as i16) as Level;
+    for (i, out) in out.chunks_exact_mut(format.bytes_per_pixel()).enumerate() {
+        let ([r, g, b], t) = ([level(0, i), level(1, i), level(2, i)], thresholds[i] as u32);
+        let pixel = match format {
+            PixelFormat::Xrgb8888 => 0xff00_0000 | to_8(r, t) << 16 | to_8(g, t) << 8 | to_8(b, t),
+            PixelFormat::Xbgr8888 => 0xff00_0000 | to_8(b, t) << 16 | to_8(g, t) << 8 | to_8(r, t),
+            PixelFormat::Rgb888 => to_8(r, t) << 16 | to_8(g, t) << 8 | to_8(b, t),
+            PixelFormat::Bgr888 => to_8(b, t) << 16 | to_8(g, t) << 8 | to_8(r, t),
+            PixelFormat::Rgb565 => to_5(r, t) << 11 | to_6(g, t) << 5 | to_5(b, t),
+            PixelFormat::Bgr565 => to_5(b, t) << 11 | to_6(g, t) << 5 | to_5(r, t),
+            PixelFormat::Xrgb2101010 => 0xc000_0000 | to_10(r, t) << 20 | to_10(g, t) << 10 | to_10(b, t),
+        };
+        out.copy_from_slice(&pixel.to_le_bytes()[..out.len()]);
     }
 }
 
@@ -165,49 +168,59 @@ const fn to_10(level: Level, threshold: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::lanes::{Task, on_each};
+    use crate::math::lanes::on_each;
     use proptest::prelude::*;
 
-    fn packed(format: PixelFormat, level: Level, threshold_x: u32, y: u32) -> [u8; 3] {
+    fn packed(format: PixelFormat, level: Level, x: usize, y: u32) -> [u8; 3] {
         let mut out = [0; 4];
-        let mut planes = [[level]; 3];
-        let [red, green, blue] = planes.each_mut();
-        let colours = &Levels { red, green, blue };
-        let bytes = format.bytes_per_pixel();
-        pack(format, colours, threshold_x, y, &mut out[..bytes]);
+        let block = [[level as i16; LANES]; 3];
+        pack(format, &[block], x, y, &mut out[..format.bytes_per_pixel()]);
         format.unpack(&out)
     }
 
-    /// Packs a block, whose levels may lie beyond the scale.
-    struct Block {
-        format: PixelFormat,
-        colours: [[i16; LANES]; 3],
-        y: u32,
+    /// The pixels from `skip` on, a pixel at a time.
+    fn plainly(format: PixelFormat, blocks: &[Block], skip: usize, y: u32, count: usize) -> Vec<u8> {
+        let thresholds = dither::thresholds(y).map(i16::from);
+        let bytes = format.bytes_per_pixel();
+        let mut whole = vec![0; blocks.len() * LANES * bytes];
+        for (block, out) in blocks.iter().zip(whole.chunks_exact_mut(LANES * bytes)) {
+            pack_plainly(format, block, &thresholds, out);
+        }
+        whole[skip * bytes..][..count * bytes].to_vec()
     }
 
-    impl Task for Block {
+    /// [`Packing`] into memory of its own.
+    struct Packed<'a> {
+        format: PixelFormat,
+        blocks: &'a [Block],
+        skip: usize,
+        y: u32,
+        bytes: usize,
+    }
+
+    impl Task for Packed<'_> {
         type Output = Vec<u8>;
 
         #[inline(always)]
         fn run<L: Lanes>(self) -> Vec<u8> {
-            let mut out = vec![0; LANES * self.format.bytes_per_pixel()];
-            pack_block(self.format, self.colours.each_ref().map(L::load), thresholds(self.y), &mut out);
+            let Self { format, blocks, skip, y, bytes } = self;
+            let mut out = vec![0; bytes];
+            Packing { format, blocks, skip, y, out: &mut out }.run::<L>();
             out
         }
     }
 
     proptest! {
         #[test]
-        fn blocks_are_packed_like_their_clipped_pixels(colours: [[i16; LANES]; 3], y in 0_u32..40) {
+        fn blocks_are_packed_like_their_pixels(
+            blocks: [Block; 3], y in 0_u32..40, skip in 0..LANES, count in 0..=2 * LANES
+        ) {
             // The room that dithering needs above.
-            let colours = colours.map(|plane| plane.map(|level| level.min(i16::MAX - 255)));
-            let mut planes = colours.map(|plane| plane.map(|level| level.clamp(0, 4080) as Level));
-            let [red, green, blue] = planes.each_mut().map(|plane| &mut plane[..]);
-            let levels = &Levels { red, green, blue };
+            let blocks = blocks.map(|block| block.map(|plane| plane.map(|level| level.min(i16::MAX - 255))));
             for format in PixelFormat::ALL {
-                let mut plain = vec![0; LANES * format.bytes_per_pixel()];
-                pack(format, levels, 0, y, &mut plain);
-                for (name, packed) in on_each(|| Block { format, colours, y }) {
+                let plain = plainly(format, &blocks, skip, y, count);
+                let bytes = count * format.bytes_per_pixel();
+                for (name, packed) in on_each(|| Packed { format, blocks: &blocks, skip, y, bytes }) {
                     prop_assert_eq!(&packed, &plain, "{} {}", name, format);
                 }
             }
@@ -219,7 +232,11 @@ mod tests {
         for format in PixelFormat::ALL.into_iter().filter(|f| f.bytes_per_pixel() > 2) {
             for level in 0..=255_u16 {
                 for x in 0..16 {
-                    assert_eq!(packed(format, level * 16, x, x / 3), [level as u8; 3], "{format} {level}");
+                    assert_eq!(
+                        packed(format, level * 16, x, x as u32 / 3),
+                        [level as u8; 3],
+                        "{format} {level}"
+                    );
                 }
             }
         }
@@ -229,8 +246,8 @@ mod tests {
     fn black_and_white_stay_pure_in_every_format() {
         for format in PixelFormat::ALL {
             for at in 0..256 {
-                assert_eq!(packed(format, 0, at % 16, at / 16), [0; 3], "{format}");
-                assert_eq!(packed(format, 4080, at % 16, at / 16), [255; 3], "{format}");
+                assert_eq!(packed(format, 0, at as usize % 16, at / 16), [0; 3], "{format}");
+                assert_eq!(packed(format, 4080, at as usize % 16, at / 16), [255; 3], "{format}");
             }
         }
     }
@@ -245,7 +262,7 @@ mod tests {
                 _ => 0.07,
             };
             for level in (0..=4080).step_by(17) {
-                let sums = (0..256).map(|at| packed(format, level, at % 16, at / 16).map(f64::from));
+                let sums = (0..256).map(|at| packed(format, level, at as usize % 16, at / 16).map(f64::from));
                 let mean = sums.fold([0.0; 3], |sum, rgb| core::array::from_fn(|i| sum[i] + rgb[i] / 256.0));
                 for channel in mean {
                     let error = (channel - f64::from(level) / 16.0).abs();
@@ -257,10 +274,10 @@ mod tests {
 
     #[test]
     fn channels_land_where_the_format_says() {
-        let colours = &Levels { red: &mut [255 * 16], green: &mut [128 * 16], blue: &mut [0] };
+        let block = [255, 128, 0].map(|level| [level * 16; LANES]);
         for format in PixelFormat::ALL {
             let mut out = [0; 4];
-            pack(format, colours, 0, 0, &mut out[..format.bytes_per_pixel()]);
+            pack(format, &[block], 0, 0, &mut out[..format.bytes_per_pixel()]);
             let [r, g, b] = format.unpack(&out);
             assert!(r == 255 && g.abs_diff(128) < 5 && b == 0, "{format}: {r} {g} {b}");
         }

@@ -47,8 +47,6 @@ pub trait Lanes: Copy {
     fn down<const BITS: i32>(self) -> Self;
     /// The low `BITS` bits, beneath `upper` shifted to the left by as many.
     fn beneath<const BITS: i32>(self, upper: Self) -> Self;
-    /// Starts to fetch the memory `bytes` after the start of `at`, `size_of::<T>()` of it, into the cache, if it is any.
-    fn fetch<T>(at: &T, bytes: usize);
 }
 
 /// Something that is done with lanes.
@@ -151,9 +149,6 @@ impl Lanes for Plain {
     fn beneath<const BITS: i32>(self, upper: Self) -> Self {
         core::array::from_fn(|i| upper[i] << BITS | self[i] & low_bits(BITS))
     }
-
-    #[inline(always)]
-    fn fetch<T>(_: &T, _: usize) {}
 }
 
 /// A number with only its low `bits` bits set, fewer than 16.
@@ -170,6 +165,16 @@ pub(crate) fn on_widest<T: Task>(task: T) -> T::Output {
     return task.run::<neon::Neon>();
     #[cfg(not(any(target_arch = "x86_64", all(target_arch = "aarch64", target_feature = "neon"))))]
     task.run::<Plain>()
+}
+
+/// Starts to fetch the memory `bytes` after the start of `at`, `size_of::<T>()` of it, into the cache, if it is any; on ARM, which fetches ahead by
+/// itself, it does nothing.
+#[inline(always)]
+pub(crate) fn fetch<T>(at: &T, bytes: usize) {
+    #[cfg(target_arch = "x86_64")]
+    x86_64::fetch(at, bytes);
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (at, bytes);
 }
 
 /// What comes of the task with each kind of lanes of this machine, [`Plain`] first.
@@ -256,7 +261,7 @@ mod x86_64 {
     const LINE: usize = 64;
 
     #[inline(always)]
-    fn fetch<T>(at: &T, bytes: usize) {
+    pub(super) fn fetch<T>(at: &T, bytes: usize) {
         let start = core::ptr::from_ref(at).cast::<i8>().wrapping_add(bytes);
         for line in 0..size_of::<T>().div_ceil(LINE) {
             // SAFETY: a prefetch reads nothing and never faults, whatever the address; SSE is part of x86-64.
@@ -341,11 +346,6 @@ mod x86_64 {
         fn beneath<const BITS: i32>(self, upper: Self) -> Self {
             upper.up::<BITS>().or(self.and(Self::splat(super::low_bits(BITS))))
         }
-
-        #[inline(always)]
-        fn fetch<T>(at: &T, bytes: usize) {
-            fetch(at, bytes);
-        }
     }
 
     /// Two vectors of 128 bits.
@@ -426,11 +426,6 @@ mod x86_64 {
         #[inline(always)]
         fn beneath<const BITS: i32>(self, upper: Self) -> Self {
             upper.up::<BITS>().or(self.and(Self::splat(super::low_bits(BITS))))
-        }
-
-        #[inline(always)]
-        fn fetch<T>(at: &T, bytes: usize) {
-            fetch(at, bytes);
         }
     }
 }
@@ -517,9 +512,6 @@ mod neon {
                 [vsliq_n_s16::<BITS>(self.0[0], upper.0[0]), vsliq_n_s16::<BITS>(self.0[1], upper.0[1])]
             })
         }
-
-        #[inline(always)]
-        fn fetch<T>(_: &T, _: usize) {}
     }
 }
 
@@ -560,7 +552,7 @@ mod tests {
             let (mut pixels, mut bytes) = ([0; 4 * LANES], [0; 2 * LANES]);
             L::store_pixels([a, b, c], &mut pixels);
             a.store_words(&mut bytes);
-            L::fetch(self.blocks, 100_000);
+            fetch(self.blocks, 100_000);
             (words.collect(), pixels.into_iter().chain(bytes).collect())
         }
     }

@@ -14,17 +14,17 @@ use crate::{
     effect,
     frame::{
         Size,
-        pack::{Levels, WHITE},
+        pack::{Block, WHITE},
         srgb,
     },
     math::{
         Factor, Turns,
-        lanes::{LANES, Lanes},
+        lanes::{LANES, Lanes, Task, on_widest},
         random::scatter,
     },
     noise::drive::Drive,
 };
-use core::{marker::PhantomData, ops::Range};
+use core::ops::Range;
 
 /// An autumn at one moment.
 #[derive(Debug)]
@@ -296,7 +296,7 @@ impl<'a> Moment<'a> {
     }
 
     /// Paints `leaves` in the air over the block at (x, y).
-    fn paint_airborne(&self, mut leaves: u64, x: usize, y: u32, planes: &mut [[i16; LANES]; 3]) {
+    fn paint_airborne(&self, mut leaves: u64, x: usize, y: u32, planes: &mut Block) {
         let (x, y) = (x as i32, y as i32);
         while leaves != 0 {
             let sprite = &self.sprites[leaves.trailing_zeros() as usize];
@@ -344,37 +344,25 @@ fn gathered<L: Lanes>(plane: &[u8], sources: &[u32]) -> L {
 /// Fractional bits of a place between two nodes.
 const PLACE_BITS: u32 = OFFSET_BITS + PITCH.trailing_zeros();
 
-/// The colours of a run of blocks.
-struct Blocks<'a, L> {
-    moment: &'a Moment<'a>,
-    columns: Range<usize>,
+/// Fills `blocks` with what stands and hangs in row `y`, from column `x` on.
+struct Run<'a, 'b> {
+    moment: &'a Moment<'b>,
+    x: usize,
     y: u32,
-    /// Leaves in the air that the row touches.
-    airborne: u64,
-    lanes: PhantomData<L>,
+    blocks: &'a mut [Block],
 }
 
-impl<L: Lanes> Iterator for Blocks<'_, L> {
-    type Item = [L; 3];
+impl Task for Run<'_, '_> {
+    type Output = ();
 
     #[inline(always)]
-    fn next(&mut self) -> Option<[L; 3]> {
-        let x = self.columns.start;
-        if x >= self.columns.end {
-            return None;
+    fn run<L: Lanes>(self) {
+        for ([red, green, blue], x) in self.blocks.iter_mut().zip((self.x..).step_by(LANES)) {
+            let colours: [L; 3] = self.moment.block(x, self.y as usize);
+            colours[0].store(red);
+            colours[1].store(green);
+            colours[2].store(blue);
         }
-        self.columns.start += LANES;
-        let colours = self.moment.block::<L>(x, self.y as usize);
-        if self.airborne == 0 {
-            return Some(colours);
-        }
-        let ([red, green, blue], mut planes) = (colours, [[0; LANES]; 3]);
-        red.store(&mut planes[0]);
-        green.store(&mut planes[1]);
-        blue.store(&mut planes[2]);
-        self.moment.paint_airborne(self.airborne, x, self.y, &mut planes);
-        let [red, green, blue] = &planes;
-        Some([L::load(red), L::load(green), L::load(blue)])
     }
 }
 
@@ -390,14 +378,13 @@ impl effect::Moment for Moment<'_> {
         rows.contains(&(y as usize)).then(|| columns.clone()).into_iter()
     }
 
-    #[inline(never)]
-    fn levels(&self, x: usize, y: u32, levels: &mut Levels<'_>) {
-        effect::paint::levels_of_blocks(self, x, y, levels);
-    }
-
-    #[inline(always)]
-    fn colours<L: Lanes>(&self, columns: Range<usize>, y: u32) -> impl Iterator<Item = [L; 3]> {
-        let columns = columns.start..columns.end.min(self.planes.size.width as usize);
-        Blocks { moment: self, columns, y, airborne: self.airborne(y), lanes: PhantomData }
+    fn colours(&self, x: usize, y: u32, blocks: &mut [Block]) {
+        on_widest(Run { moment: self, x, y, blocks });
+        let airborne = self.airborne(y);
+        if airborne != 0 {
+            for (block, x) in blocks.iter_mut().zip((x..).step_by(LANES)) {
+                self.paint_airborne(airborne, x, y, block);
+            }
+        }
     }
 }

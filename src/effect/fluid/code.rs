@@ -1,7 +1,7 @@
 //! Planes of changes as bytes, each frame on its own.
 //!
 //! A pixel is predicted by its neighbours to the left, above, and above left (the median edge detector of LOCO-I, Weinberger et al. 1996):
-//! min(a, b), max(a, b) or a + b − c. What is left of it, modulo 256, is coded by a [`huffman`](super::huffman) code of the
+//! min(a, b), max(a, b) or a + b − c. What is left of it, modulo 256, is coded by a `huffman` code of the
 //! frame's own:
 //!
 //! ```text

@@ -8,8 +8,8 @@ use super::{
 };
 use crate::{
     effect::{Effect, Moment as _},
-    frame::{Rect, Rotation, Size, pack::Levels},
-    math::{Factor, Turns},
+    frame::{Rect, Rotation, Size},
+    math::{Factor, Turns, lanes::LANES},
     noise::drive::Drive,
 };
 use proptest::prelude::*;
@@ -151,10 +151,10 @@ pub(super) fn colours(moment: &super::Moment<'_>) -> Vec<[u16; 3]> {
     let Size { width, height } = moment.size();
     let mut all = Vec::new();
     for y in 0..height {
-        let mut planes = [(); 3].map(|()| vec![0; width as usize]);
-        let [red, green, blue] = planes.each_mut().map(|plane| &mut plane[..]);
-        moment.levels(0, y, &mut Levels { red, green, blue });
-        all.extend((0..width as usize).map(|x| [0, 1, 2].map(|channel| planes[channel][x])));
+        let mut blocks = vec![[[0; LANES]; 3]; (width as usize).div_ceil(LANES)];
+        moment.colours(0, y, &mut blocks);
+        let level = |x: usize, channel: usize| blocks[x / LANES][channel][x % LANES].clamp(0, 4080) as u16;
+        all.extend((0..width as usize).map(|x| [0, 1, 2].map(|channel| level(x, channel))));
     }
     all
 }

@@ -7,15 +7,15 @@ use super::{
     view::Axis,
 };
 use crate::{
-    effect::{self, paint},
-    frame::{Rotation, Size, pack::Levels, rotate},
+    effect,
+    frame::{Rotation, Size, pack, rotate},
     math::{
         Factor,
-        lanes::{LANES, Lanes},
+        lanes::{LANES, Lanes, Task, on_widest},
         mul_q15, sqrt,
     },
 };
-use core::{marker::PhantomData, ops::Range, slice};
+use core::ops::Range;
 
 /// A clip at one moment.
 #[derive(Debug)]
@@ -55,38 +55,32 @@ impl effect::Moment for Moment<'_> {
         (start < end).then(|| start.into()..end.into()).into_iter()
     }
 
-    #[inline(never)]
-    fn levels(&self, x: usize, y: u32, levels: &mut Levels<'_>) {
-        paint::levels_of_blocks(self, x, y, levels);
-    }
-
-    #[inline(always)]
-    fn colours<L: Lanes>(&self, columns: Range<usize>, y: u32) -> impl Iterator<Item = [L; 3]> {
+    fn colours(&self, x: usize, y: u32, blocks: &mut [pack::Block]) {
         let row = y as usize * self.blocks_a_row;
-        let place = row + columns.start / LANES..row + columns.end.div_ceil(LANES);
-        Colours {
-            blocks: self.blocks[place.clone()].iter(),
-            changes: self.changes.map(|plane| plane[place.clone()].iter()),
-            lanes: PhantomData,
-        }
+        let place = row + x / LANES..row + self.blocks_a_row;
+        let changes = self.changes.map(|plane| &plane[place.clone()]);
+        on_widest(Run { from: &self.blocks[place], changes, to: blocks });
     }
 }
 
-/// The colours of a run of blocks.
-struct Colours<'a, L> {
-    blocks: slice::Iter<'a, Block>,
-    changes: [slice::Iter<'a, Change>; 3],
-    lanes: PhantomData<L>,
+/// Fills `to` with the colours of blocks.
+struct Run<'a> {
+    from: &'a [Block],
+    /// Those of red, green and blue.
+    changes: [&'a [Change]; 3],
+    to: &'a mut [pack::Block],
 }
 
-impl<L: Lanes> Iterator for Colours<'_, L> {
-    type Item = [L; 3];
+impl Task for Run<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn next(&mut self) -> Option<[L; 3]> {
-        let block = self.blocks.next()?;
-        let [red, green, blue] = &mut self.changes;
-        Some([colour(block, 0, red.next()?), colour(block, 1, green.next()?), colour(block, 2, blue.next()?)])
+    fn run<L: Lanes>(self) {
+        for (channel, changes) in self.changes.into_iter().enumerate() {
+            for ((to, from), change) in self.to.iter_mut().zip(self.from).zip(changes) {
+                colour::<L>(from, channel, change).store(&mut to[channel]);
+            }
+        }
     }
 }
 

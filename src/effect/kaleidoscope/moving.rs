@@ -28,12 +28,12 @@ use crate::{
     effect::{self, Effect, RUN, StorageTooSmall},
     frame::{
         Size,
-        pack::{Level, Levels},
+        pack::{Block, WHITE},
     },
-    math::{mul_q15, q15},
+    math::{lanes::LANES, mul_q15, q15},
     noise::drive::Drive,
 };
-use core::{iter, ops::Range};
+use core::{iter, ops::Range, slice};
 
 /// Levels by which a pixel may differ before it counts as changed: sensors and codecs err by as much.
 const DEAD_BAND: u8 = 3;
@@ -170,22 +170,21 @@ impl<'a> Planes<'a> {
     fn take_in(&mut self, frame: &impl effect::Moment, dead_band: u8) {
         let (size, plane) = (frame.size(), plane_size(frame.size(), (0, 0)));
         let (columns, width) = (size.width as usize, plane.width as usize);
-        let mut channels = [[0; RUN]; 3];
-        let mut lumas = [0; RUN];
+        let mut blocks = [[[0; LANES]; 3]; RUN];
         for y in 0..size.height as usize {
-            for x in (0..columns).step_by(RUN) {
-                let count = RUN.min(columns - x);
-                let [red, green, blue] = channels.each_mut().map(|channel| &mut channel[..count]);
-                frame.levels(x, y as u32, &mut Levels { red, green, blue });
-                for (plane, channel) in self.colours.iter_mut().zip(&channels) {
-                    let row = &mut plane[y * columns + x..][..count];
-                    row.iter_mut().zip(channel).for_each(|(out, &level)| *out = (level >> 4) as u8);
-                }
-                fill_lumas(&channels, &mut lumas);
-                let levels = self.levels[y * width + x..][..count].chunks_mut(LARGEST);
+            for x in (0..columns).step_by(RUN * LANES) {
+                let blocks = &mut blocks[..(columns - x).div_ceil(LANES).min(RUN)];
+                frame.colours(x, y as u32, blocks);
                 let ages = &mut self.ages[y / LARGEST * (width / LARGEST) + x / LARGEST..];
-                for ((levels, lumas), age) in levels.zip(lumas.chunks(LARGEST)).zip(ages) {
-                    *age = if hold(levels, lumas, dead_band) { 0 } else { *age };
+                for ((block, x), age) in blocks.iter_mut().zip((x..).step_by(LANES)).zip(ages) {
+                    block.iter_mut().flatten().for_each(|level| *level = (*level).clamp(0, WHITE as i16));
+                    let count = LANES.min(columns - x);
+                    for (plane, channel) in self.colours.iter_mut().zip(&*block) {
+                        let row = &mut plane[y * columns + x..][..count];
+                        row.iter_mut().zip(channel).for_each(|(out, &level)| *out = (level >> 4) as u8);
+                    }
+                    let levels = &mut self.levels[y * width + x..][..count];
+                    *age = if hold(levels, &lumas(block), dead_band) { 0 } else { *age };
                 }
             }
             let row = &mut self.levels[y * width..][..width];
@@ -226,10 +225,11 @@ impl<'a> Planes<'a> {
 const LEAVES_OF_A_BLOCK: usize = (LARGEST / super::fractal::SMALLEST).pow(2);
 
 /// The lumas of levels with four fractional bits, rounded as [`super::luma`] does.
-fn fill_lumas([red, green, blue]: &[[Level; RUN]; 3], lumas: &mut [u8; RUN]) {
-    for (((luma, &r), &g), &b) in lumas.iter_mut().zip(red).zip(green).zip(blue) {
-        *luma = ((u32::from(r) * 218 + u32::from(g) * 732 + u32::from(b) * 74 + (512 << 4)) >> 14) as u8;
-    }
+fn lumas([red, green, blue]: &Block) -> [u8; LANES] {
+    core::array::from_fn(|i| {
+        let [r, g, b] = [red[i], green[i], blue[i]].map(i32::from);
+        ((r * 218 + g * 732 + b * 74 + (512 << 4)) >> 14) as u8
+    })
 }
 
 /// Takes those of `lumas` that are further than `dead_band` from `levels`, and tells whether there are any.
@@ -293,13 +293,13 @@ impl MovingMoment<'_> {
         }
     }
 
-    /// The shares of the pixels from (x, y) on. They go over from the middle of a block to that of the next: blocks have no borders that
+    /// The shares of the pixels of the blocks of 16 from (x, y) on. They go over from the middle of a block of the image to that of the next: those have no borders that
     /// could be seen.
-    fn fill_shares(&self, x: usize, y: usize, shares: &mut [i16]) {
+    fn fill_shares(&self, x: usize, y: usize, shares: &mut [[i16; LANES]]) {
         let first = between(x).0;
-        let mut blocks = [0; RUN / LARGEST + 2];
+        let mut blocks = [0; RUN * LANES / LARGEST + 2];
         self.shares_of_blocks(first, y, &mut blocks);
-        for (share, x) in shares.iter_mut().zip(x..) {
+        for (share, x) in shares.as_flattened_mut().iter_mut().zip(x..) {
             let (block, weight) = between(x);
             let [left, right] = [0, 1].map(|i| blocks[(block - first) as usize + i]);
             *share = (left + (right - left) * weight / WEIGHTS) as i16;
@@ -326,35 +326,30 @@ impl effect::Moment for MovingMoment<'_> {
         iter::once(0..self.size.width as usize)
     }
 
-    fn levels(&self, x: usize, y: u32, levels: &mut Levels<'_>) {
-        let (y, count, width) = (y as usize, levels.red.len(), plane_size(self.size, (0, 0)).width as usize);
-        let mut shares = [0; RUN];
-        let shares = &mut shares[..count];
+    fn colours(&self, x: usize, y: u32, blocks: &mut [Block]) {
+        let (y, columns, width) =
+            (y as usize, self.size.width as usize, plane_size(self.size, (0, 0)).width as usize);
+        let mut shares = [[0; LANES]; RUN];
+        let shares = &mut shares[..blocks.len()];
         self.fill_shares(x, y, shares);
-        let colours =
-            self.planes.colours.each_ref().map(|plane| &plane[y * self.size.width as usize + x..][..count]);
-        if shares.iter().all(|&share| share == 0) {
-            for (levels, colour) in levels.planes().into_iter().zip(colours) {
-                levels.iter_mut().zip(colour).for_each(|(level, &source)| *level = Level::from(source) << 4);
-            }
-            return;
-        }
+        let addresses = &self.planes.addresses[y * width + x..][..columns - x];
+        let colours = self.planes.colours.each_ref().map(|plane| &plane[y * columns + x..][..columns - x]);
         let Some((table, _)) = self.planes.table.split_first_chunk::<ADDRESSES>() else { return };
-        let addresses = &self.planes.addresses[y * width + x..][..count];
-        if self.cut == 0 {
-            one(addresses, table, levels);
-        } else {
-            let mut cut = [0; RUN];
-            cut.iter_mut().zip(addresses).for_each(|(cut, &address)| *cut = address >> self.cut);
-            one(&cut[..count], table, levels);
-        }
-        if shares.iter().all(|&share| share == i16::MAX) {
-            return;
-        }
-        for (levels, colour) in levels.planes().into_iter().zip(colours) {
-            for ((level, &source), &share) in levels.iter_mut().zip(colour).zip(&*shares) {
-                let source = i16::from(source) << 4;
-                *level = (source + mul_q15(*level as i16 - source, share)) as Level;
+        for (((block, shares), addresses), i) in
+            blocks.iter_mut().zip(shares).zip(addresses.chunks(LANES)).zip((0..).step_by(LANES))
+        {
+            if shares.iter().any(|&share| share != 0) {
+                let mut cut = [0; LANES];
+                cut.iter_mut().zip(addresses).for_each(|(cut, &address)| *cut = address >> self.cut);
+                one(&cut, table, slice::from_mut(block));
+            } else {
+                *block = [[0; LANES]; 3];
+            }
+            for (plane, colours) in block.iter_mut().zip(colours) {
+                for ((level, &source), &share) in plane.iter_mut().zip(&colours[i..]).zip(&*shares) {
+                    let source = i16::from(source) << 4;
+                    *level = source + mul_q15(*level - source, share);
+                }
             }
         }
     }
@@ -378,11 +373,13 @@ impl effect::Moment for Still<'_> {
         iter::empty()
     }
 
-    fn levels(&self, x: usize, y: u32, levels: &mut Levels<'_>) {
-        let start = y as usize * self.size.width as usize + x;
-        let pixels = &self.rgb.as_chunks::<3>().0[start..][..levels.red.len()];
-        for (channel, plane) in levels.planes().into_iter().enumerate() {
-            plane.iter_mut().zip(pixels).for_each(|(level, rgb)| *level = Level::from(rgb[channel]) << 4);
+    fn colours(&self, x: usize, y: u32, blocks: &mut [Block]) {
+        let width = self.size.width as usize;
+        let row = &self.rgb.as_chunks::<3>().0[y as usize * width + x..][..width - x];
+        for (block, pixels) in blocks.iter_mut().zip(row.chunks(LANES)) {
+            for (channel, plane) in block.iter_mut().enumerate() {
+                plane.iter_mut().zip(pixels).for_each(|(level, rgb)| *level = i16::from(rgb[channel]) << 4);
+            }
         }
     }
 }

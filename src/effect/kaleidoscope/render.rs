@@ -2,12 +2,12 @@
 
 use super::{Kaleidoscope, address::ADDRESSES, prepare::Planes, texture::Texel};
 use crate::{
-    effect::{self, RUN},
+    effect,
     frame::{
         Size,
-        pack::{Level, Levels},
+        pack::{Block, Level},
     },
-    math::{Factor, mul_q15, q15},
+    math::{Factor, lanes::LANES, mul_q15, q15},
     noise::drive::Drive,
 };
 use core::{iter, ops::Range};
@@ -43,26 +43,25 @@ impl effect::Moment for Moment<'_> {
         iter::once(0..self.size.width as usize)
     }
 
-    fn levels(&self, x: usize, y: u32, levels: &mut Levels<'_>) {
-        let start = y as usize * self.size.width as usize + x;
-        let place = start..start + levels.red.len();
+    fn colours(&self, x: usize, y: u32, blocks: &mut [Block]) {
+        let row = y as usize * self.size.width as usize;
+        let place = row + x..row + self.size.width as usize;
         let Planes { addresses, table, rgb, .. } = &self.planes;
         let Some((table, _)) = table.split_first_chunk::<ADDRESSES>() else { return };
         let pixels = self.size.pixels();
         let layer = |i: usize| &addresses[i * pixels..][place.clone()];
         if addresses.len() == pixels {
-            one(layer(0), table, levels);
+            one(layer(0), table, blocks);
         } else {
-            four([0, 1, 2, 3].map(layer), table, levels);
+            four([0, 1, 2, 3].map(layer), table, blocks);
         }
         if let Some(onset) = self.onset {
-            let photo = rgb[place.clone()].iter();
-            let mut old = [[0; 3]; RUN];
-            old.iter_mut().zip(photo).for_each(|(old, &photo)| *old = photo);
-            for (channel, plane) in levels.planes().into_iter().enumerate() {
-                for (level, old) in plane.iter_mut().zip(&old) {
-                    let old = i16::from(old[channel]) << 4;
-                    *level = (old + mul_q15(*level as i16 - old, onset)) as Level;
+            for (block, photo) in blocks.iter_mut().zip(rgb[place].chunks(LANES)) {
+                for (i, old) in photo.iter().enumerate() {
+                    for (plane, &old) in block.iter_mut().zip(old) {
+                        let old = i16::from(old) << 4;
+                        plane[i] = old + mul_q15(plane[i] - old, onset);
+                    }
                 }
             }
         }
@@ -75,49 +74,42 @@ fn colour(table: &[Texel; ADDRESSES], address: u16) -> Texel {
     table[usize::from(address) % ADDRESSES]
 }
 
-/// Pixels that are taken apart together: the compiler makes lanes of them.
-const BLOCK: usize = 8;
-
-pub(super) fn one(addresses: &[u16], table: &[Texel; ADDRESSES], levels: &mut Levels<'_>) {
-    let (blocks, rest) = addresses.as_chunks::<BLOCK>();
-    let blocks = blocks.iter().map(|block| take_apart(block.map(|address| colour(table, address))));
-    let rest = rest.iter().map(|&address| colour(table, address));
-    fill(blocks, rest, levels);
+/// Colours of addresses.
+pub(super) fn one(addresses: &[u16], table: &[Texel; ADDRESSES], blocks: &mut [Block]) {
+    for (i, block) in blocks.iter_mut().enumerate() {
+        let addresses = block_at(addresses, i);
+        *block = take_apart(|i| colour(table, addresses[i]));
+    }
 }
 
-fn four(layers: [&[u16]; 4], table: &[Texel; ADDRESSES], levels: &mut Levels<'_>) {
-    let [a, b, c, d] = layers.map(|layer| layer.as_chunks::<BLOCK>().0.iter());
-    let mean = |addresses: [u16; 4]| Texel::mean(addresses.map(|address| colour(table, address)));
-    let texels = a
-        .zip(b)
-        .zip(c)
-        .zip(d)
-        .map(|(((a, b), c), d)| take_apart(core::array::from_fn(|i| mean([a[i], b[i], c[i], d[i]]))));
-    let start = levels.red.len() / BLOCK * BLOCK;
-    let rest = (start..levels.red.len()).map(|i| mean(layers.map(|layer| layer[i])));
-    fill(texels, rest, levels);
+/// Means of the colours of four layers of addresses.
+fn four(layers: [&[u16]; 4], table: &[Texel; ADDRESSES], blocks: &mut [Block]) {
+    for (i, block) in blocks.iter_mut().enumerate() {
+        let layers = layers.map(|layer| block_at(layer, i));
+        *block = take_apart(|i| Texel::mean(layers.map(|layer| colour(table, layer[i]))));
+    }
+}
+
+/// Block `i` of a row of addresses; what is beyond its end is 0.
+#[inline(always)]
+fn block_at(row: &[u16], i: usize) -> [u16; LANES] {
+    let rest = row.get(i * LANES..).unwrap_or_default();
+    rest.first_chunk()
+        .copied()
+        .unwrap_or_else(|| core::array::from_fn(|i| rest.get(i).copied().unwrap_or_default()))
 }
 
 #[inline(always)]
-fn take_apart(texels: [Texel; BLOCK]) -> [[Level; BLOCK]; 3] {
-    let channels = texels.map(Texel::channels);
-    [channels.map(|[red, _, _]| red), channels.map(|[_, green, _]| green), channels.map(|[_, _, blue]| blue)]
-}
-
-/// Fills `levels` with the channels of whole blocks, and with those of the `rest`.
-#[inline(always)]
-fn fill(
-    blocks: impl Iterator<Item = [[Level; BLOCK]; 3]>,
-    rest: impl Iterator<Item = Texel>,
-    levels: &mut Levels<'_>,
-) {
-    let (red, red_rest) = levels.red.as_chunks_mut::<BLOCK>();
-    let (green, green_rest) = levels.green.as_chunks_mut::<BLOCK>();
-    let (blue, blue_rest) = levels.blue.as_chunks_mut::<BLOCK>();
-    for (((red, green), blue), channels) in red.iter_mut().zip(green).zip(blue).zip(blocks) {
-        [*red, *green, *blue] = channels;
+fn take_apart(texel: impl Fn(usize) -> Texel) -> Block {
+    let mut block = [[0; LANES]; 3];
+    // Half a block at a time: the compiler makes lanes of it, and has registers for no more.
+    for start in [0, LANES / 2] {
+        let channels: [[Level; 3]; LANES / 2] = core::array::from_fn(|i| texel(start + i).channels());
+        for (channel, plane) in block.iter_mut().enumerate() {
+            for (level, channels) in plane[start..].iter_mut().zip(&channels) {
+                *level = channels[channel] as i16;
+            }
+        }
     }
-    for (((red, green), blue), texel) in red_rest.iter_mut().zip(green_rest).zip(blue_rest).zip(rest) {
-        [*red, *green, *blue] = texel.channels();
-    }
+    block
 }

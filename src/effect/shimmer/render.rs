@@ -30,16 +30,22 @@ use super::{
     storage::{Packed, Planes, Prepared},
 };
 use crate::{
-    effect::{self, paint},
-    frame::{Size, pack::Levels},
+    effect::{
+        self, Area,
+        paint::{self, Painter, each_span},
+    },
+    frame::{
+        FrameMut, PixelFormat, Size,
+        pack::{Block, pack_block, thresholds},
+    },
     math::{
         Factor,
-        lanes::{LANES, Lanes},
+        lanes::{LANES, Lanes, Task, fetch, on_widest},
         q15,
     },
     noise::drive::Drive,
 };
-use core::{marker::PhantomData, ops::Range, slice};
+use core::{marker::PhantomData, ops::Range};
 
 /// A shimmering photo at one moment.
 #[derive(Debug)]
@@ -94,44 +100,115 @@ impl effect::Moment for Moment<'_> {
         spans.take_while(|span| span.start < span.end).map(|span| span.start.into()..span.end.into())
     }
 
-    #[inline(always)]
-    fn fetch<L: Lanes>(&self, columns: Range<usize>, y: u32) {
-        let blocks = self.blocks(columns, y);
-        if blocks.len() <= SHORT {
-            blocks.iter().for_each(|block| L::fetch(block, 0));
+    fn colours(&self, x: usize, y: u32, blocks: &mut [Block]) {
+        let end = self.photo.size.width as usize;
+        on_widest(Run { swing: self.swing, from: self.blocks(x..end, y), to: blocks });
+    }
+
+    fn paint(&self, area: Area, out: &mut FrameMut<'_>) {
+        let in_blocks = match area {
+            Area::Moving => true,
+            Area::Rect(rect) => (rect.x as usize).is_multiple_of(LANES),
+        };
+        match out.layout().format {
+            PixelFormat::Xrgb8888 | PixelFormat::Rgb565 if in_blocks => {
+                on_widest(Frame { moment: self, area, out });
+            }
+            _ => paint::by_runs(self, area, out),
         }
-    }
-
-    fn levels(&self, x: usize, y: u32, levels: &mut Levels<'_>) {
-        paint::levels_of_blocks(self, x, y, levels);
-    }
-
-    #[inline(always)]
-    fn colours<L: Lanes>(&self, columns: Range<usize>, y: u32) -> impl Iterator<Item = [L; 3]> {
-        let blocks = self.blocks(columns, y);
-        Colours { blocks: blocks.iter(), long: blocks.len() > SHORT, swing: self.swing, lanes: PhantomData }
     }
 }
 
-/// The colours of a run of blocks.
-struct Colours<'a, L> {
-    blocks: slice::Iter<'a, Packed>,
-    /// Whether there is more to fetch than [`effect::Moment::fetch`] did.
-    long: bool,
+/// Fills `to` with the colours of blocks.
+struct Run<'a> {
     swing: Swing,
+    from: &'a [Packed],
+    to: &'a mut [Block],
+}
+
+impl Task for Run<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        for ([red, green, blue], block) in self.to.iter_mut().zip(self.from) {
+            fetch(block, AHEAD);
+            let colours: [L; 3] = self.swing.colours(block);
+            colours[0].store(red);
+            colours[1].store(green);
+            colours[2].store(blue);
+        }
+    }
+}
+
+/// Paints in the formats that panels commonly have, without a stop in memory, in whole blocks.
+struct Frame<'a, 'b, 'c> {
+    moment: &'a Moment<'b>,
+    area: Area,
+    out: &'a mut FrameMut<'c>,
+}
+
+impl Task for Frame<'_, '_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        match self.out.layout().format {
+            PixelFormat::Xrgb8888 => self.spans::<L>(PixelFormat::Xrgb8888),
+            _ => self.spans::<L>(PixelFormat::Rgb565),
+        }
+    }
+}
+
+impl Frame<'_, '_, '_> {
+    #[inline(always)]
+    fn spans<L: Lanes>(self, format: PixelFormat) {
+        let Self { moment, area, out } = self;
+        each_span(moment, area, &mut Spans { moment, format, out, lanes: PhantomData::<L> });
+    }
+}
+
+struct Spans<'a, 'b, 'c, L> {
+    moment: &'a Moment<'b>,
+    format: PixelFormat,
+    out: &'a mut FrameMut<'c>,
     lanes: PhantomData<L>,
 }
 
-impl<L: Lanes> Iterator for Colours<'_, L> {
-    type Item = [L; 3];
+impl<L: Lanes> Painter for Spans<'_, '_, '_, L> {
+    /// While a span is painted, the next one is fetched.
+    #[inline(always)]
+    fn announce(&self, columns: &Range<usize>, y: u32) {
+        let blocks = self.moment.blocks(columns.clone(), y);
+        if blocks.len() <= SHORT {
+            for block in blocks {
+                fetch(block, 0);
+            }
+        }
+    }
 
     #[inline(always)]
-    fn next(&mut self) -> Option<[L; 3]> {
-        let block = self.blocks.next()?;
-        if self.long {
-            L::fetch(block, AHEAD);
+    fn columns(&mut self, columns: Range<usize>, y: u32) {
+        let bytes = self.format.bytes_per_pixel();
+        let thresholds: L = thresholds(y);
+        let (swing, mut blocks) = (self.moment.swing, self.moment.blocks(columns.clone(), y).iter());
+        let long = blocks.len() > SHORT;
+        let row = &mut self.out.row(y)[columns.start * bytes..columns.end * bytes];
+        let mut pixels = row.chunks_exact_mut(LANES * bytes);
+        for (out, block) in (&mut pixels).zip(&mut blocks) {
+            if long {
+                fetch(block, AHEAD);
+            }
+            pack_block(self.format, swing.colours(block), thresholds, out);
         }
-        Some(self.swing.colours(block))
+        let rest = pixels.into_remainder();
+        if let Some(block) = blocks.next()
+            && !rest.is_empty()
+        {
+            let mut whole = [0; LANES * 4];
+            pack_block(self.format, swing.colours(block), thresholds, &mut whole[..LANES * bytes]);
+            rest.copy_from_slice(&whole[..rest.len()]);
+        }
     }
 }
 
@@ -152,5 +229,70 @@ impl Swing {
             gain = gain.minus(L::splat(ONE)).times(L::splat(onset)).plus(L::splat(ONE));
         }
         block.colours.each_ref().map(|channel| L::load_q7(channel).times(gain))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        effect::{
+            Effect as _, Photo,
+            shimmer::{Range, Settings, storage_len},
+        },
+        frame::{Layout, Rect},
+        math::{Turns, lanes::on_each},
+    };
+    use proptest::prelude::*;
+
+    /// A [`Frame`] in memory of its own, which starts at an odd address.
+    struct Painted<'a, 'b> {
+        moment: &'a Moment<'b>,
+        area: Area,
+        layout: Layout,
+    }
+
+    impl Task for Painted<'_, '_> {
+        type Output = Vec<u8>;
+
+        #[inline(always)]
+        fn run<L: Lanes>(self) -> Vec<u8> {
+            let mut bytes = vec![7; 1 + self.layout.len_bytes()];
+            let out = &mut FrameMut::new(&mut bytes[1..], self.layout).unwrap();
+            Frame { moment: self.moment, area: self.area, out }.run::<L>();
+            bytes
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(40))]
+
+        #[test]
+        fn every_instruction_set_paints_what_runs_of_colours_make(
+            width in 1_u32..70, height in 1_u32..4, padding in 0_usize..5, seed: u64, phase: u32, onset in 0..=4_i32
+        ) {
+            let size = Size::new(width, height);
+            let noise = |i: usize| (seed.wrapping_mul(2 * i as u64 + 1) >> 33) as u8;
+            let rgb: Vec<u8> = (0..3 * size.pixels()).map(noise).collect();
+            let mask: Vec<u8> = (0..size.pixels()).map(|i| noise(i + 7).saturating_sub(60)).collect();
+            let settings = Settings { range: Range::NAMES[seed as usize % 3].1, ..Settings::default() };
+            let photo = Photo { size, rgb: &rgb, mask: &mask };
+            let mut shimmer = Shimmer::prepare(photo, &settings, vec![0; storage_len(size)]).unwrap();
+            let onset = Factor::from_num(onset) / 4;
+            let drive = Drive { amplitude: Factor::ONE, frequency: Factor::ONE, phase: Turns(phase), onset };
+            let moment = shimmer.at(drive);
+            for (format, area) in [PixelFormat::Xrgb8888, PixelFormat::Rgb565]
+                .into_iter()
+                .flat_map(|format| [Area::Moving, Area::Rect(Rect::whole(size))].map(|area| (format, area)))
+            {
+                let stride = width as usize * format.bytes_per_pixel() + padding;
+                let layout = Layout::new(size, format, Some(stride)).unwrap();
+                let mut plain = vec![7; 1 + layout.len_bytes()];
+                paint::by_runs(&moment, area, &mut FrameMut::new(&mut plain[1..], layout).unwrap());
+                for (name, painted) in on_each(|| Painted { moment: &moment, area, layout }) {
+                    prop_assert_eq!(&painted, &plain, "{} {} {:?}", name, format, area);
+                }
+            }
+        }
     }
 }

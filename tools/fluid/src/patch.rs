@@ -58,7 +58,7 @@ impl Version {
     }
 
     /// The linear map from the version to the video, both with their origin in the middle: a place (x, y) of the version shows the place
-    /// (m[0][0]·x + m[0][1]·y, m[1][0]·x + m[1][1]·y) of the video.
+    /// `(m[0][0]·x + m[0][1]·y, m[1][0]·x + m[1][1]·y)` of the video.
     pub fn to_video(self) -> [[f32; 2]; 2] {
         let (sine, cosine) = self.angle().sin_cos();
         let mirror = if self.mirrored() { -1.0 } else { 1.0 };

@@ -10,7 +10,8 @@ use yurameki::{
             Kaleidoscope, Mode, Moving, Reference, Settings, Still, moving_storage_len, storage_len,
         },
     },
-    frame::{Size, pack::Levels},
+    frame::Size,
+    math::lanes::LANES,
     noise::drive::{self, Oscillator},
 };
 
@@ -122,13 +123,12 @@ impl Film {
 
 fn show(moment: &impl Moment) {
     let size = moment.size();
-    let mut planes = [[0; RUN]; 3];
+    let mut blocks = [[[0; LANES]; 3]; RUN];
     for y in 0..size.height {
-        for x in (0..size.width as usize).step_by(RUN) {
-            let count = RUN.min(size.width as usize - x);
-            let [red, green, blue] = planes.each_mut().map(|plane| &mut plane[..count]);
-            moment.levels(x, y, &mut Levels { red, green, blue });
-            black_box(&planes);
+        for x in (0..size.width as usize).step_by(RUN * LANES) {
+            let count = (size.width as usize - x).div_ceil(LANES).min(RUN);
+            moment.colours(x, y, &mut blocks[..count]);
+            black_box(&blocks);
         }
     }
 }

@@ -108,7 +108,7 @@ pub fn check_scene(luma: LumaFrames<'_>, flows: &[Flow]) -> Result<(), Refusal> 
 }
 
 /// The camera's motion in pixels a frame: of the frames, the mean length of the median motion of what is textured; 0 for frames where
-/// fewer than [`AS_ONE`] of the textured points share it. Fluid that fills the picture never moves as one: points differ from each
+/// fewer than `AS_ONE` of the textured points share it. Fluid that fills the picture never moves as one: points differ from each
 /// other by much of their motion.
 pub fn camera_motion(luma: LumaFrames<'_>, flows: &[Flow]) -> f32 {
     let motions: f32 =
