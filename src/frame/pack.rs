@@ -104,7 +104,8 @@ pub(crate) fn thresholds<L: Lanes>(y: u32) -> L {
 fn pack_8888<L: Lanes>(channels: [L; 3], thresholds: L, out: &mut [u8]) {
     if let Some(out) = out.first_chunk_mut() {
         let thresholds = thresholds.down::<4>();
-        L::store_pixels(channels.map(|levels| levels.plus(thresholds)), out);
+        let [a, b, c] = channels;
+        L::store_pixels([a.plus(thresholds), b.plus(thresholds), c.plus(thresholds)], out);
     }
 }
 

@@ -52,7 +52,7 @@ pub trait Lanes: Copy {
 /// Something that is done with lanes.
 ///
 /// `run`, and all that it calls for each block, must be `#[inline(always)]`: a function that stays on its own is compiled without the
-/// instruction set.
+/// instruction set. So is a closure, where `array::map` and the like stand between: arrays of lanes are written out.
 pub(crate) trait Task {
     /// What comes of it.
     type Output;
@@ -307,7 +307,8 @@ mod x86_64 {
 
         #[inline(always)]
         fn store_pixels(channels: [Self; 3], to: &mut [u8; 4 * LANES]) {
-            let [a, b, c] = channels.map(|channel| channel.down::<4>().0);
+            let [Self(a), Self(b), Self(c)] =
+                [channels[0].down::<4>(), channels[1].down::<4>(), channels[2].down::<4>()];
             unsafe {
                 let ac = _mm256_packus_epi16(a, c);
                 let bx = _mm256_packus_epi16(b, _mm256_set1_epi16(255));
@@ -363,15 +364,17 @@ mod x86_64 {
         #[inline(always)]
         fn load(from: &[i16; LANES]) -> Self {
             let (low, high) = from.split_at(LANES / 2);
-            Self([low, high].map(|half| unsafe { _mm_loadu_si128(half.as_ptr().cast()) }))
+            Self(unsafe { [_mm_loadu_si128(low.as_ptr().cast()), _mm_loadu_si128(high.as_ptr().cast())] })
         }
 
         #[inline(always)]
         fn load_q7(from: &[u8; LANES]) -> Self {
             let (low, high) = from.split_at(LANES / 2);
-            Self([low, high].map(|half| unsafe {
-                _mm_slli_epi16::<7>(_mm_cvtepu8_epi16(_mm_loadl_epi64(half.as_ptr().cast())))
-            }))
+            Self(unsafe {
+                let low = _mm_cvtepu8_epi16(_mm_loadl_epi64(low.as_ptr().cast()));
+                let high = _mm_cvtepu8_epi16(_mm_loadl_epi64(high.as_ptr().cast()));
+                [_mm_slli_epi16::<7>(low), _mm_slli_epi16::<7>(high)]
+            })
         }
 
         #[inline(always)]
@@ -390,7 +393,8 @@ mod x86_64 {
 
         #[inline(always)]
         fn store_pixels(channels: [Self; 3], to: &mut [u8; 4 * LANES]) {
-            let [a, b, c] = channels.map(|channel| channel.down::<4>().0);
+            let [Self(a), Self(b), Self(c)] =
+                [channels[0].down::<4>(), channels[1].down::<4>(), channels[2].down::<4>()];
             for (i, to) in to.as_chunks_mut::<{ 2 * LANES }>().0.iter_mut().enumerate() {
                 let (first, second) = to.split_at_mut(LANES);
                 unsafe {
@@ -415,12 +419,12 @@ mod x86_64 {
 
         #[inline(always)]
         fn up<const BITS: i32>(self) -> Self {
-            Self(self.0.map(|half| unsafe { _mm_slli_epi16::<BITS>(half) }))
+            Self(unsafe { [_mm_slli_epi16::<BITS>(self.0[0]), _mm_slli_epi16::<BITS>(self.0[1])] })
         }
 
         #[inline(always)]
         fn down<const BITS: i32>(self) -> Self {
-            Self(self.0.map(|half| unsafe { _mm_srai_epi16::<BITS>(half) }))
+            Self(unsafe { [_mm_srai_epi16::<BITS>(self.0[0]), _mm_srai_epi16::<BITS>(self.0[1])] })
         }
 
         #[inline(always)]

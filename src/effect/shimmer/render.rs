@@ -222,13 +222,15 @@ impl Swing {
     /// The colours of a block, with 4 fractional bits, unclipped.
     #[inline(always)]
     fn colours<L: Lanes>(self, block: &Packed) -> [L; 3] {
-        let [a, b] = [self.sine, self.cosine].map(L::splat);
-        let [u, v] = block.slopes().map(|[p, q, c]| shade::slope(a, p, b, q, c));
+        let (a, b) = (L::splat(self.sine), L::splat(self.cosine));
+        let [[pu, qu, cu], [pv, qv, cv]] = block.slopes();
+        let (u, v) = (shade::slope(a, pu, b, qu, cu), shade::slope(a, pv, b, qv, cv));
         let mut gain = self.light.shade(u, v).plus(L::load(&block.base));
         if let Some(onset) = self.onset {
             gain = gain.minus(L::splat(ONE)).times(L::splat(onset)).plus(L::splat(ONE));
         }
-        block.colours.each_ref().map(|channel| L::load_q7(channel).times(gain))
+        let [red, green, blue] = &block.colours;
+        [L::load_q7(red).times(gain), L::load_q7(green).times(gain), L::load_q7(blue).times(gain)]
     }
 }
 

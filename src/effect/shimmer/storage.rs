@@ -95,11 +95,15 @@ impl Packed {
     /// P, Q and C along u, and along v.
     #[inline(always)]
     pub(super) fn slopes<L: Lanes>(&self) -> [[L; 3]; 2] {
-        self.slopes.each_ref().map(|[p, q]| {
-            let (p, q) = (L::load(p), L::load(q));
-            [p, q, q.up::<DROPPED>().beneath::<{ SHARE + DROPPED }>(p)]
-        })
+        let [u, v] = &self.slopes;
+        [unpacked(u), unpacked(v)]
     }
+}
+
+#[inline(always)]
+fn unpacked<L: Lanes>([p, q]: &[[i16; LANES]; 2]) -> [L; 3] {
+    let (p, q) = (L::load(p), L::load(q));
+    [p, q, q.up::<DROPPED>().beneath::<{ SHARE + DROPPED }>(p)]
 }
 
 /// The number with these low bits that is nearest to `slope`, which is at most 54.6° and so far from the ends of 16 bits.
