@@ -170,7 +170,7 @@ fn table(all: &[Measures]) {
     }
 }
 
-/// What must hold of the paper's figures 14 to 17.
+/// What must hold of the paper's figures 14 to 17, as far as it makes sense for the colour that the leaves of this tree end in.
 fn verdicts(shifts: &Measures, together: &Measures) -> Result<(), Failure> {
     let h = &shifts.entropy;
     let [green, yellow, red] = &shifts.dimensions;
@@ -180,21 +180,38 @@ fn verdicts(shifts: &Measures, together: &Measures) -> Result<(), Failure> {
         values.iter().copied().fold(f64::MIN, f64::max) - values.iter().copied().fold(f64::MAX, f64::min)
     };
     let peak = largest(h);
-    let rows = [
-        ("H is largest at stage 3 or 4", (3..=4).contains(&peak)),
-        ("and there at least 1.0 above both ends", h[peak] - h[0].max(h[STAGES - 1]) >= 1.),
-        ("H of uniform change differs by 0.5 at the most", spread(&together.entropy) <= 0.5),
-        ("D of green falls from stage to stage", green.windows(2).all(|pair| pair[0] > pair[1])),
-        ("D of yellow is largest at stage 2 to 4", (2..=4).contains(&largest(yellow))),
-        ("D of red rises by 0.15 or more from stage 3 to 5", red[5] - red[3] >= 0.15),
-    ];
-    for (words, holds) in rows {
-        println!("{} {words}", if holds { "holds:" } else { "FAILS:" });
+    let uniform = ("H of uniform change differs by 0.5 at the most", spread(&together.entropy) <= 0.5);
+    let last = last_colour(together);
+    println!("its leaves end {}", last.name());
+    let mut rows = match last {
+        Class::Green => {
+            vec![("H and D of green stay as they are", spread(h) <= 0.05 && spread(green) <= 0.05)]
+        }
+        Class::Yellow | Class::Red => vec![
+            ("H is largest at stage 3 or 4", (3..=4).contains(&peak)),
+            ("and there at least 1.0 above both ends", h[peak] - h[0].max(h[STAGES - 1]) >= 1.),
+            ("D of green falls from stage to stage", green.windows(2).all(|pair| pair[0] > pair[1])),
+        ],
+    };
+    rows.push(uniform);
+    if last == Class::Red {
+        rows.push(("D of yellow is largest at stage 2 to 4", (2..=4).contains(&largest(yellow))));
+        rows.push(("D of red rises by 0.15 or more from stage 3 to 5", red[5] - red[3] >= 0.15));
+    }
+    for (words, holds) in &rows {
+        println!("{} {words}", if *holds { "holds:" } else { "FAILS:" });
     }
     match rows.iter().all(|(_, holds)| *holds) {
         true => Ok(()),
         false => Err("not all that must hold of an autumn holds".into()),
     }
+}
+
+/// The colour that leaves of one colour have at the last stage: that of their pigments, whatever makes them turn.
+fn last_colour(together: &Measures) -> Class {
+    let last =
+        Class::ALL.into_iter().zip(&together.dimensions).map(|(class, values)| (class, values[STAGES - 1]));
+    last.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(Class::Green, |(class, _)| class)
 }
 
 fn plot(
