@@ -10,7 +10,7 @@ use crate::{
         shimmer::{self, Shimmer},
     },
     frame::{FrameMut, Size, pack::Block},
-    noise::drive::Drive,
+    noise::{drive::Drive, guard::Sensitivity},
 };
 use core::ops::Range;
 
@@ -120,6 +120,15 @@ impl<S: AsMut<[u64]>, C: Source> Effect for Picture<S, C> {
             Self::Kaleidoscope(kaleidoscope) => PictureMoment::Kaleidoscope(kaleidoscope.at(drive)),
             Self::Autumn(autumn) => PictureMoment::Autumn(autumn.at(drive)),
             Self::Fluid(fluid) => PictureMoment::Fluid(fluid.at(drive)),
+        }
+    }
+
+    fn sensitivity(&self) -> Sensitivity {
+        match self {
+            Self::Shimmer(shimmer) => shimmer.sensitivity(),
+            Self::Kaleidoscope(kaleidoscope) => kaleidoscope.sensitivity(),
+            Self::Autumn(autumn) => autumn.sensitivity(),
+            Self::Fluid(fluid) => fluid.sensitivity(),
         }
     }
 }

@@ -11,6 +11,7 @@ use crate::{
     noise::{
         Kind,
         drive::{self, Drive, Oscillator},
+        guard::{Guard, Sensitivity},
     },
 };
 
@@ -19,6 +20,7 @@ use crate::{
 pub struct Show {
     state: State,
     oscillator: Oscillator,
+    guard: Guard,
     /// The noises of the amplitude and the frequency that the photo was last said to have.
     noises: (Kind, Kind),
     drive: Drive,
@@ -72,6 +74,7 @@ impl Show {
         Self {
             state,
             oscillator,
+            guard: Guard::default(),
             noises: (settings.amplitude, settings.frequency),
             drive,
             frames_per_second,
@@ -194,13 +197,16 @@ impl Show {
         caption: &str,
         display: &mut impl Display,
     ) -> Result<(), DisplayError> {
+        let before = leaving.as_ref().filter(|_| self.is_fading()).map(|leaving| leaving.sensitivity());
+        let sensitivity = effect.sensitivity().max(before.unwrap_or(Sensitivity::NONE));
         self.present(leaving, effect, caption, display)?;
         self.frame += 1;
         self.notice_frames = self.notice_frames.saturating_sub(1);
         self.fade = self.fade.and_then(|fade| fade.after());
         if !self.state.paused {
             self.trace.note(self.drive, self.frames_per_second);
-            self.drive = self.oscillator.step();
+            self.guard.set(sensitivity, self.frames_per_second);
+            self.drive = self.guard.limit(self.oscillator.step());
             self.onset_frames = (self.onset_frames + 1).min(self.frames_per_second);
         }
         Ok(())

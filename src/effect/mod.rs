@@ -9,6 +9,7 @@ mod checksum;
 pub mod fluid;
 pub mod kaleidoscope;
 pub mod paint;
+mod sensitivity;
 pub mod shimmer;
 mod storage;
 
@@ -17,7 +18,7 @@ pub use paint::{Area, Paint};
 use crate::{
     frame::{FrameMut, Size, pack::Block},
     math::Factor,
-    noise::drive::Drive,
+    noise::{drive::Drive, guard::Sensitivity},
 };
 use core::{fmt, ops::Range};
 
@@ -30,6 +31,11 @@ pub trait Effect {
 
     /// The picture at the moment of `drive`.
     fn at(&mut self, drive: Drive) -> Self::Moment<'_>;
+
+    /// How much of what it shows depends on the drive. Where an effect does not say, it is taken for a picture that was not measured.
+    fn sensitivity(&self) -> Sensitivity {
+        Sensitivity::default()
+    }
 
     /// Renders the frame for `drive` into `out`, whose size is the one the effect was prepared for.
     fn render(&mut self, drive: Drive, paint: Paint, out: &mut FrameMut<'_>) {

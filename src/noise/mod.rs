@@ -23,6 +23,7 @@ pub mod brown;
 pub mod chaos;
 pub mod drive;
 pub mod filter;
+pub mod guard;
 pub mod hosoda;
 #[cfg(test)]
 pub(crate) mod reference;

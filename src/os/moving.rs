@@ -17,7 +17,10 @@ use crate::{
         kaleidoscope::{Moving, Reference, Still, moving_storage_len},
     },
     math::{Factor, smoothstep},
-    noise::drive::{Drive, Oscillator},
+    noise::{
+        drive::{Drive, Oscillator},
+        guard::Guard,
+    },
 };
 use std::path::{Path, PathBuf};
 
@@ -41,13 +44,15 @@ fn of_shimmer(args: &args::Render, path: &Path, config: &Config) -> Result<(), F
     let life = scene.look().life.at(args.fps);
     let mut shimmer = scene.prepare(&life, Vec::new(), |_| ())?;
     let mut oscillator = Oscillator::new(life.drive, args.look.seed.unwrap_or(config.seed));
+    let mut guard = Guard::default();
     let photo = Still { size: args.size, rgb: scene.photo().rgb };
     let mut frame = 0;
     write_moving(args, scene.look(), &life, photo, |moving| {
         // As without a kaleidoscope, it comes alive within a second.
         let share = (u64::from(args.fps.min(frame)) << Factor::FRAC_NBITS) / u64::from(args.fps);
         let onset = smoothstep(Factor::from_bits(share as i32));
-        moving.see(&shimmer.at(Drive { onset, ..oscillator.step() }));
+        guard.set(shimmer.sensitivity(), args.fps);
+        moving.see(&shimmer.at(Drive { onset, ..guard.limit(oscillator.step()) }));
         frame += 1;
         Ok(())
     })

@@ -34,5 +34,7 @@ mod spectrum;
 mod stage;
 #[cfg(feature = "os")]
 mod state;
+#[cfg(feature = "os")]
+mod strobe;
 #[cfg(feature = "window")]
 mod window;

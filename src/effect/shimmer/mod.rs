@@ -43,14 +43,14 @@ mod reference;
 pub use render::Moment;
 pub use storage::storage_len;
 
-use super::{Effect, Photo, StorageTooSmall};
+use super::{Effect, Photo, StorageTooSmall, sensitivity};
 use crate::{
     frame::Size,
     math::{
         Factor, Turns,
         lanes::{Lanes, Task, on_widest},
     },
-    noise::drive::Drive,
+    noise::{drive::Drive, guard::Sensitivity},
 };
 use storage::Planes;
 
@@ -139,6 +139,7 @@ pub struct Shimmer<S> {
     size: Size,
     storage: S,
     light: shade::Light,
+    sensitivity: Sensitivity,
 }
 
 impl<S: AsMut<[u64]>> Shimmer<S> {
@@ -153,7 +154,9 @@ impl<S: AsMut<[u64]>> Shimmer<S> {
         assert_eq!(photo.mask.len(), photo.size.pixels(), "the photo's mask does not have its size");
         planes.find_spans(photo.mask);
         on_widest(Preparation { planes, photo, settings, light });
-        Ok(Self { size: photo.size, storage, light })
+        let mut shimmer = Self { size: photo.size, storage, light, sensitivity: Sensitivity::NONE };
+        shimmer.sensitivity = sensitivity::measure(&mut shimmer);
+        Ok(shimmer)
     }
 
     /// Gives the memory back.
@@ -188,5 +191,9 @@ impl<S: AsMut<[u64]>> Effect for Shimmer<S> {
 
     fn at(&mut self, drive: Drive) -> Moment<'_> {
         Moment::new(self, drive)
+    }
+
+    fn sensitivity(&self) -> Sensitivity {
+        self.sensitivity
     }
 }
