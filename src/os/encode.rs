@@ -47,8 +47,13 @@ pub(super) fn encode(args: &args::Encode) -> Result<(), Failure> {
     write_file(&args.out, &file[..length])?;
     let (ranges, error) = (code.leaves().len(), mean_square_error(&code, photo.size, &levels));
     let psnr = 10.0 * (255.0 * 255.0 / error.max(1e-9)).log10();
+    let from = if photo.size == photo.source_size {
+        String::new()
+    } else {
+        format!(" (the photo has {})", photo.source_size)
+    };
     print_line(format_args!(
-        "{}: {} pixels, {ranges} ranges, {length} bytes, {psnr:.2} dB, {seconds:.3} s",
+        "{}: {} pixels{from}, {ranges} ranges, {length} bytes, {psnr:.2} dB, {seconds:.3} s",
         args.out.display(),
         photo.size
     ))

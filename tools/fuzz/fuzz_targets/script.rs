@@ -4,7 +4,7 @@
 use libfuzzer_sys::fuzz_target;
 use yurameki::{
     app::State,
-    input::{Buttons, script::Script},
+    input::{Buttons, key_map::KeyMap, script::Script},
 };
 
 fuzz_target!(|text: &str| {
@@ -16,10 +16,12 @@ fuzz_target!(|text: &str| {
             return;
         }
     };
-    let mut state = State::default();
+    let (mut state, keys) = (State::default(), KeyMap::default());
     for frame in (0..200).chain([u64::MAX]) {
-        while let Some(button) = script.next_press(frame) {
-            let _ = state.press(button);
+        while let Some(press) = script.next_press(frame) {
+            if let Some(action) = keys.action(press) {
+                let _ = state.take(action);
+            }
         }
     }
     assert_eq!(script.next_press(u64::MAX), None, "every press has come");

@@ -5,7 +5,12 @@ use libfuzzer_sys::fuzz_target;
 use yurameki::{
     effect::{
         Effect, Moment,
-        fluid::{Base, Clip, Fluid, View, clip::seal, code::{Extent, Planes, decode}, storage_len},
+        fluid::{
+            Base, Clip, Fluid, View,
+            clip::seal,
+            code::{Extent, Planes, decode},
+            storage_len,
+        },
     },
     frame::{Rotation, Size},
     math::{Factor, Turns},
