@@ -146,6 +146,9 @@ pub struct Evaluate {
     /// The database's directory.
     #[arg(long, value_name = "DIR")]
     pub db: PathBuf,
+    /// How the full method gives patches.
+    #[arg(long, value_enum, default_value_t = SolverChoice::Trws)]
+    pub solver: SolverChoice,
     /// Videos; those that are in the database are left out of it for their turn.
     #[arg(long, value_name = "VIDEO", required = true, num_args = 1..)]
     pub truth: Vec<PathBuf>,

@@ -63,7 +63,7 @@ pub fn evaluate(args: &args::Evaluate) -> Result<(), Failure> {
             }
         };
         println!("{name} ({}, {} frames)", truth.class.name(), truth.clip.frames.len());
-        for (method, clip) in truth.animations(&database)? {
+        for (method, clip) in truth.animations(&database, args.solver.into())? {
             let measures = truth.measure(&clip);
             println!("  {}", line(method, &measures));
             found.entry((truth.class, method)).or_default().push(measures);
@@ -121,7 +121,7 @@ impl Truth {
     }
 
     /// What each method makes of the first frame.
-    fn animations(&self, database: &Database) -> Result<Vec<(&'static str, Clip)>, Failure> {
+    fn animations(&self, database: &Database, solver: Solver) -> Result<Vec<(&'static str, Clip)>, Failure> {
         let features: Vec<Features> = database
             .features(self.class)?
             .into_iter()
@@ -132,7 +132,7 @@ impl Truth {
             label::label(&target, &features, &label::Options { solver, ..label::Options::default() })
         };
         let greedy = labelled(Solver::Greedy)?;
-        let full = labelled(Solver::Trws)?;
+        let full = labelled(solver)?;
         let stretched = most_used(&greedy.labelling).and_then(|number| database.video(number));
         let half = self.clip.frames.len() / 2;
         let mut made = vec![

@@ -21,6 +21,13 @@ const CHUNK: usize = 128 * BLOCK;
 /// So many of a neighbour's best are shifted: with four neighbours at most 32 more labels.
 const SHIFTED: usize = 8;
 
+/// What a patch that moves 1/e as much as the usual candidate costs. Without it neighbours agree best where nothing happens: choices had .47
+/// to .68 of greedy's amplitude on five of six videos of water, and with it .6 to 1.2.
+const CALM: f32 = 0.2;
+
+/// Below this amplitude, in pixels a frame, a patch is as good as still.
+const STILL: f32 = 0.05;
+
 /// What a motion that was not asked for adds to the cost, so that it comes after all that was.
 const UNWANTED: f32 = 100.0;
 
@@ -228,6 +235,18 @@ impl<'a> Search<'a> {
         if !open.is_empty() {
             let scanned = self.scan(&alone, count);
             open.iter().for_each(|&number| lists[number].clone_from(&scanned[number]));
+        }
+    }
+
+    /// Makes calm patches dearer than those that move as the first `count` of their list usually do. Goes beyond the paper.
+    pub(super) fn enliven(&self, lists: &mut [Vec<Candidate>], count: usize) {
+        let level = |candidate: &Candidate| (self.motion(candidate.patch).amplitude + STILL).ln();
+        for list in lists.iter_mut().filter(|list| !list.is_empty()) {
+            let first = &list[..list.len().min(count)];
+            let usual = first.iter().map(level).sum::<f32>() / first.len() as f32;
+            list.iter_mut()
+                .for_each(|candidate| candidate.cost += CALM * (usual - level(candidate)).max(0.0));
+            list.sort_by(Candidate::order);
         }
     }
 

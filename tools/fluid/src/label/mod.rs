@@ -218,6 +218,7 @@ pub fn label(target: &Target, features: &[Features], options: &Options) -> Resul
     search.add_shifts(target, &mut lists);
     let unguided = drop_unwanted(&mut lists);
     search.spread(target, &mut lists, count);
+    search.enliven(&mut lists, count);
     watch.lap("shifts");
     let comparison = Comparison::new(features, options.pairwise, &lists);
     let (problem, lambda) = pose(target.grid, &lists, &comparison);

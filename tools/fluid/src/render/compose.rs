@@ -112,7 +112,8 @@ fn first(
         reel.repeat(rounds as usize);
         seconds = once * rounds;
     }
-    let rate = ask.options.rate.unwrap_or(video.rate).clamp(super::RATES.0, super::RATES.1);
+    let rate =
+        ask.options.rate.unwrap_or(video.rate.max(super::SMOOTH)).clamp(super::RATES.0, super::RATES.1);
     let count = ((seconds * rate).round() as usize).clamp(2, super::MOST_FRAMES);
     let (width, height) = ((grid.columns + 1) * STRIDE, (grid.rows + 1) * STRIDE);
     Ok((reel, rate, (0..count).map(|_| Laplacian::new(width, height, LEVELS)).collect()))

@@ -63,7 +63,7 @@ impl Reel {
         let shots = shots.collect::<Result<Vec<_>, _>>()?;
         let mut reel =
             Self { width, height, mean: mean_of(&shots, width, height), shots, round: Loop::default() };
-        reel.round = Loop::find(&reel.small_changes(), wanted, free);
+        reel.round = Loop::find(&reel.small_changes(), wanted, free).at_rate(video.rate);
         Ok(reel)
     }
 

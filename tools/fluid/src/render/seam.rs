@@ -14,6 +14,10 @@ const LONGEST_FADE: usize = 12;
 /// A video's own pace may be bent by this share, so that its loop fits the clip: nobody sees it.
 const BEND: f32 = 0.07;
 
+/// Videos with so many frames a second are shown frame by frame: a mean of two frames takes away what changes fastest, and a fountain
+/// became slow oil of it (tps 2.1, and 1.6 without). Slower ones would stutter.
+const WHOLE: f32 = 20.0;
+
 /// A loop of a video's frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Loop {
@@ -31,6 +35,8 @@ pub(super) struct Loop {
     steady: f32,
     /// The last frame that there is.
     last: usize,
+    /// Whether frames are shown as they are, and none between them.
+    whole: bool,
 }
 
 /// Frames of a video worth reading for a clip that lasts `wanted` of them: enough to choose from.
@@ -47,7 +53,16 @@ impl Loop {
     pub(super) fn find(frames: &[Plane], wanted: f32, free: bool) -> Self {
         let last = frames.len().saturating_sub(1);
         if last < 3 {
-            return Self { start: 0, length: last.max(1), fade: 0, rounds: 1, alike: 1.0, steady: 1.0, last };
+            return Self {
+                start: 0,
+                length: last.max(1),
+                fade: 0,
+                rounds: 1,
+                alike: 1.0,
+                steady: 1.0,
+                last,
+                whole: false,
+            };
         }
         // A loop and the fade before it must be there.
         let longest = (last as f32 / (1.0 + FADE)).max((last.saturating_sub(LONGEST_FADE)) as f32);
@@ -67,13 +82,22 @@ impl Loop {
                     let alike = correlation(a, b).max(0.0);
                     best = Some((
                         cost,
-                        Self { start, length, fade, rounds: rounds as usize, alike, steady: 1.0, last },
+                        Self {
+                            start,
+                            length,
+                            fade,
+                            rounds: rounds as usize,
+                            alike,
+                            steady: 1.0,
+                            last,
+                            whole: false,
+                        },
                     ));
                 }
             }
         }
         let mut found = best.map_or(
-            Self { start: 0, length: last, fade: 0, rounds: 1, alike: 1.0, steady: 1.0, last },
+            Self { start: 0, length: last, fade: 0, rounds: 1, alike: 1.0, steady: 1.0, last, whole: false },
             |(_, found)| found,
         );
         found.steady =
@@ -84,6 +108,11 @@ impl Loop {
     /// Frames of the video until it begins again.
     pub(super) fn length(&self) -> usize {
         self.length
+    }
+
+    /// The same for a video of this many frames a second.
+    pub(super) fn at_rate(self, rate: f32) -> Self {
+        Self { whole: rate >= WHOLE, ..self }
     }
 
     /// The same, so many times in a clip.
@@ -100,8 +129,9 @@ impl Loop {
         let [falling, rising] = of_one_frame([falling, rising], self.alike);
         let place = self.start as f32 + place;
         let both = [(place, falling), (place - self.length as f32, rising)];
-        let (steady, last) = (self.steady, self.last);
+        let (steady, last, whole) = (self.steady, self.last, self.whole);
         both.into_iter().filter(|&(_, weight)| weight > 1e-3).flat_map(move |(place, weight)| {
+            let place = if whole { place.round() } else { place };
             let frame = place.max(0.0) as usize;
             let part = (place - frame as f32).clamp(0.0, 1.0);
             let between = of_one_frame([1.0 - part, part], steady);
@@ -177,6 +207,15 @@ mod tests {
             let power = a.iter().map(|a| a * a).sum::<f32>();
             assert!((6.0..10.0).contains(&power), "frame {step} of {found:?} has a power of {power}");
         }
+    }
+
+    #[test]
+    fn a_video_that_is_fast_enough_is_shown_frame_by_frame() {
+        let found = Loop::find(&wave(60), 44.0, true).at_rate(25.0);
+        // Beyond the fade one frame is shown, wherever between two the moment is.
+        assert!((10..700).all(|moment| found.at(moment as f32 / 1000.0).count() == 1), "{found:?}");
+        let slow = found.at_rate(5.0);
+        assert!((10..700).any(|moment| slow.at(moment as f32 / 1000.0).count() == 2), "{slow:?}");
     }
 
     #[test]
