@@ -141,14 +141,19 @@ fn a_flame_leaves_its_outline_and_shows_no_grey() {
 }
 
 #[test]
-fn the_look_of_the_picture_stays() {
-    let animation = animated(Class::Water, 80);
+fn the_look_of_the_picture_stays_where_that_is_asked_for() {
     let contrast = |picture: &RgbImage| {
         let luminance = colour::luminance(picture);
         flat::statistics((24..72).flat_map(|y| luminance.row(y)[24..96].to_vec())).1
     };
-    let ratio = contrast(&animation.frame(9)) / contrast(&picture());
-    assert!((0.75..1.3).contains(&ratio), "the contrast is {ratio} times that of the picture");
+    let ratio = |look: bool| {
+        let options = Options { look, ..Options::new(Class::Water) };
+        let made = animate(&picture(), &matte(), &labelling(), &Waves::new(80), &options, &|_, _, _| ());
+        contrast(&made.expect("it can be animated").frame(9)) / contrast(&picture())
+    };
+    let (with, without) = (ratio(true), ratio(false));
+    assert!((0.75..1.3).contains(&with), "the contrast is {with} times that of the picture");
+    assert!(with < without, "{with} with the match, {without} without");
 }
 
 #[test]
