@@ -12,7 +12,7 @@ USB_KEYBOARD = ["xhci_pci", "usbhid", "hid_generic"]
 
 def pressed(case):
     """→ and ← change the photo; ↑ writes the next noise on the picture, for three seconds, and it is remembered."""
-    with Frame(case, "bochs") as frame:
+    with Frame(case, "bochs", settings=NO_FADE) as frame:
         # A paused show does not bring a photo that comes to life: it stays as it is in frame 0.
         still, other = frame.expected(frame=0), frame.expected(program.OTHER_PHOTO, frame=0)
         frame.start("kms", TWO_PHOTOS)
